@@ -1,0 +1,13 @@
+//! Deferred shading that never leaves the tile.
+
+#![deny(missing_docs)]
+
+mod error;
+pub mod measure;
+pub mod plan;
+pub mod reference;
+pub mod scene;
+
+pub use error::{Error, Result};
+
+pub use glam;

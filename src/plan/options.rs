@@ -1,0 +1,149 @@
+//! What the user may choose about a frame.
+
+use serde::{Deserialize, Serialize};
+
+/// An enum whose variants have one spelling each, shared by the command line, reports and messages.
+macro_rules! named_enum {
+    ($(#[$meta:meta])* $name:ident { $($(#[$vmeta:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        pub enum $name {
+            $($(#[$vmeta])* #[serde(rename = $text)] $variant),+
+        }
+
+        impl $name {
+            /// Every variant, in order of declaration.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+
+            /// The spelling used on the command line and in reports.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $text),+ }
+            }
+        }
+
+        impl std::fmt::Display for $name {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.pad(self.name())
+            }
+        }
+
+        impl std::str::FromStr for $name {
+            type Err = String;
+
+            fn from_str(s: &str) -> Result<Self, String> {
+                Self::ALL.iter().copied().find(|v| v.name() == s).ok_or_else(|| {
+                    let known: Vec<_> = Self::ALL.iter().map(|v| v.name()).collect();
+                    format!("'{s}' is not one of: {}", known.join(", "))
+                })
+            }
+        }
+    };
+}
+
+named_enum! {
+    /// How the stages become render passes.
+    Strategy {
+        /// One render pass; stages are subpasses joined by input attachments.
+        Subpasses = "subpasses",
+        /// One render pass a stage; attachments are stored and loaded again.
+        Separate = "separate",
+    }
+}
+
+named_enum! {
+    /// A G-buffer layout.
+    Layout {
+        /// Smith and Einig 2015, listing 2.2: 128 bits, light target included.
+        Metallic128 = "metallic128",
+        /// Every channel a 32-bit float: separates quantisation error from shader error.
+        Exact = "exact",
+    }
+}
+
+named_enum! {
+    /// From scene-referred to display-referred light.
+    Tonemap {
+        /// Khronos PBR Neutral.
+        Neutral = "neutral",
+        /// Stephen Hill's fit of the ACES reference and output transforms.
+        Aces = "aces",
+        /// Reinhard et al. 2002, equation 3, per channel.
+        Reinhard = "reinhard",
+        /// No curve.
+        Linear = "linear",
+    }
+}
+
+named_enum! {
+    /// The format of the final image.
+    OutputFormat {
+        /// 8 bits a channel, sRGB-encoded by the attachment.
+        Rgba8Srgb = "rgba8_srgb",
+        /// The same with red and blue swapped, as many swapchains want it.
+        Bgra8Srgb = "bgra8_srgb",
+        /// Half floats, linear.
+        Rgba16Float = "rgba16_float",
+        /// Floats, linear, unclamped.
+        Rgba32Float = "rgba32_float",
+    }
+}
+
+named_enum! {
+    /// What happens to the final image after the frame; decides its final layout.
+    OutputUse {
+        /// Copied by a transfer command.
+        Copy = "copy",
+        /// Presented by a swapchain.
+        Present = "present",
+        /// Sampled by a later shader.
+        Sample = "sample",
+        /// Drawn to by a later render pass.
+        Draw = "draw",
+    }
+}
+
+/// The user's choices for a frame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Options {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// How stages become render passes.
+    pub strategy: Strategy,
+    /// G-buffer layout.
+    pub layout: Layout,
+    /// Tone curve.
+    pub tonemap: Tonemap,
+    /// The final image's format.
+    pub output: OutputFormat,
+    /// What the host does with the final image.
+    pub output_use: OutputUse,
+    /// Whether the final image may be read as an input attachment, so that it can stand in for another
+    /// attachment until it is written. A host whose image lacks that usage says `false`.
+    pub output_is_input_attachment: bool,
+    /// Share physical attachments between lifetimes that do not overlap.
+    pub recycle: bool,
+    /// Merge lighting and tonemap where nothing needs the light target.
+    pub fold: bool,
+    /// Add half a step of ordered noise before quantising the output.
+    pub dither: bool,
+    /// Store the G-buffer too, so that it can be read back (for debugging and tests).
+    pub keep_gbuffer: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            size: [1280, 720],
+            strategy: Strategy::Subpasses,
+            layout: Layout::Metallic128,
+            tonemap: Tonemap::Neutral,
+            output: OutputFormat::Rgba8Srgb,
+            output_use: OutputUse::Copy,
+            output_is_input_attachment: true,
+            recycle: true,
+            fold: true,
+            dither: false,
+            keep_gbuffer: false,
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! The same frame in f64 on the CPU.

@@ -1,0 +1,156 @@
+//! Surfaces: glTF 2.0 metallic-roughness, its five textures, and how they are sampled.
+
+use glam::{Vec2, Vec3, Vec4};
+
+/// A surface as glTF 2.0 section 3.9 describes it.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// A name for messages.
+    pub name: String,
+    /// Linear Rec.709 and alpha; multiplies `base_color_texture` and the vertex colour.
+    pub base_color_factor: Vec4,
+    /// sRGB-encoded colour, linear alpha.
+    pub base_color_texture: Option<TextureRef>,
+    /// 0 dielectric to 1 metal; multiplies the texture's blue.
+    pub metallic_factor: f32,
+    /// Perceptual roughness (alpha = roughness²); multiplies the texture's green.
+    pub roughness_factor: f32,
+    /// Green roughness, blue metallicness; linear.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Tangent-space normals; linear.
+    pub normal_texture: Option<TextureRef>,
+    /// Scales x and y of the sampled normal.
+    pub normal_scale: f32,
+    /// Red occlusion; linear. It dims ambient light only.
+    pub occlusion_texture: Option<TextureRef>,
+    /// 0 ignores the occlusion texture, 1 applies it fully.
+    pub occlusion_strength: f32,
+    /// Linear Rec.709 in cd/m², KHR_materials_emissive_strength multiplied in.
+    pub emissive_factor: Vec3,
+    /// sRGB-encoded; multiplied by `emissive_factor`.
+    pub emissive_texture: Option<TextureRef>,
+    /// How alpha is used.
+    pub alpha_mode: AlphaMode,
+    /// Drawn from both sides; the normal faces the viewer.
+    pub double_sided: bool,
+    /// KHR_materials_unlit: the base colour is shown as it is.
+    pub unlit: bool,
+}
+
+impl Default for Material {
+    /// glTF's default material: white, metallic 1, roughness 1, opaque, single-sided.
+    fn default() -> Self {
+        Self {
+            name: "default".into(),
+            base_color_factor: Vec4::ONE,
+            base_color_texture: None,
+            metallic_factor: 1.0,
+            roughness_factor: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            occlusion_texture: None,
+            occlusion_strength: 1.0,
+            emissive_factor: Vec3::ZERO,
+            emissive_texture: None,
+            alpha_mode: AlphaMode::Opaque,
+            double_sided: false,
+            unlit: false,
+        }
+    }
+}
+
+/// What alpha does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    Opaque,
+    /// Fragments with alpha below `cutoff` are discarded.
+    Mask {
+        /// Compared with the product of factor, texture and vertex alpha.
+        cutoff: f32,
+    },
+}
+
+/// A texture as one material slot uses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// Index into `Scene::textures`.
+    pub texture: usize,
+    /// Which of `Mesh::texcoords` is used: 0 or 1.
+    pub texcoord: usize,
+    /// KHR_texture_transform as two rows: `uv = (dot(row[0], (u, v, 1)), dot(row[1], (u, v, 1)))`.
+    pub uv_from_texcoord: [Vec3; 2],
+}
+
+impl TextureRef {
+    /// The transform that changes nothing.
+    pub const IDENTITY: [Vec3; 2] = [Vec3::X, Vec3::Y];
+
+    /// The texture coordinate that is sampled for this mesh coordinate.
+    pub fn uv(&self, texcoord: Vec2) -> Vec2 {
+        let h = texcoord.extend(1.0);
+        Vec2::new(self.uv_from_texcoord[0].dot(h), self.uv_from_texcoord[1].dot(h))
+    }
+}
+
+/// A picture and how to sample it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Texture {
+    /// Index into `Scene::images`.
+    pub image: usize,
+    /// Filtering and wrapping.
+    pub sampler: Sampler,
+}
+
+/// glTF's sampler, with filters said separately.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Sampler {
+    /// Linear (else nearest) when magnified.
+    pub mag_linear: bool,
+    /// Linear (else nearest) when minified, within one mip level.
+    pub min_linear: bool,
+    /// Between mip levels: `None` uses level 0 only, `Some(true)` blends, `Some(false)` takes the nearest.
+    pub mip_linear: Option<bool>,
+    /// Along u.
+    pub wrap_u: Wrap,
+    /// Along v.
+    pub wrap_v: Wrap,
+}
+
+impl Default for Sampler {
+    /// Trilinear and repeating: what this project does where glTF leaves the choice open.
+    fn default() -> Self {
+        Self {
+            mag_linear: true,
+            min_linear: true,
+            mip_linear: Some(true),
+            wrap_u: Wrap::Repeat,
+            wrap_v: Wrap::Repeat,
+        }
+    }
+}
+
+/// What lies outside [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// The picture again.
+    Repeat,
+    /// The picture again, every other time mirrored.
+    MirroredRepeat,
+    /// The edge texels.
+    ClampToEdge,
+}
+
+/// A decoded picture, 8 bits a channel, rows from the top.
+#[derive(Clone, Debug)]
+pub struct Image {
+    /// A name for messages.
+    pub name: String,
+    /// Texels, at least 1.
+    pub width: u32,
+    /// Texels, at least 1.
+    pub height: u32,
+    /// `width * height * 4` bytes: red, green, blue, alpha, as encoded in the file.
+    pub rgba8: Vec<u8>,
+}

@@ -1,0 +1,77 @@
+//! What is to be drawn: meshes, materials, lights and cameras as plain data.
+//!
+//! World space is right-handed with +Y up, in metres. Colours are linear Rec.709. A scene can be loaded from
+//! glTF ([`Scene::load`]) or built by hand; nothing here knows about Vulkan.
+
+mod camera;
+mod gltf;
+mod light;
+mod material;
+mod mesh;
+
+pub use camera::{Camera, Projection};
+pub use light::{Light, LightKind};
+pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
+pub use mesh::{Aabb, Instance, Mesh};
+
+use glam::Vec3;
+
+/// Everything that a frame shows.
+///
+/// Indices between the lists (`Instance::mesh`, `Mesh::material`, `TextureRef::texture`, `Texture::image`) are
+/// always in range for a scene that [`Scene::load`] returned.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// A name for messages and reports: the file's stem, or what the builder chose.
+    pub name: String,
+    /// Triangle lists with one material each (one glTF primitive).
+    pub meshes: Vec<Mesh>,
+    /// Placements of meshes in the world.
+    pub instances: Vec<Instance>,
+    /// Surface descriptions.
+    pub materials: Vec<Material>,
+    /// Image and sampler pairs that materials refer to.
+    pub textures: Vec<Texture>,
+    /// Decoded pictures.
+    pub images: Vec<Image>,
+    /// Punctual lights.
+    pub lights: Vec<Light>,
+    /// Radiance that arrives from every direction alike, in cd/m², linear Rec.709. Zero means none.
+    pub ambient_nt: Vec3,
+    /// View points. [`Scene::load`] always gives at least one.
+    pub cameras: Vec<Camera>,
+    /// What the loader had to leave out or change, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// The bounds of all instances in world space; `None` if nothing is drawn.
+    pub fn bounds_world(&self) -> Option<Aabb> {
+        self.instances
+            .iter()
+            .filter_map(|i| Some(self.meshes[i.mesh].bounds()?.transformed(&i.world_from_object)))
+            .reduce(|a, b| a.union(&b))
+    }
+
+    /// The number of triangles that one frame draws, instances counted.
+    pub fn triangle_count(&self) -> usize {
+        self.instances.iter().map(|i| self.meshes[i.mesh].indices.len() / 3).sum()
+    }
+
+    /// The camera with this index or name.
+    ///
+    /// # Errors
+    /// [`crate::Error::Unsupported`] that lists the cameras there are.
+    pub fn camera(&self, wanted: &str) -> crate::Result<&Camera> {
+        let by_index = wanted.parse::<usize>().ok().and_then(|i| self.cameras.get(i));
+        let by_name = || self.cameras.iter().find(|c| c.name == wanted);
+        by_index.or_else(by_name).ok_or_else(|| {
+            let known: Vec<_> =
+                self.cameras.iter().enumerate().map(|(i, c)| format!("{i} ({})", c.name)).collect();
+            crate::Error::unsupported(
+                format!("scene '{}' has no camera '{wanted}'", self.name),
+                format!("use one of: {}", known.join(", ")),
+            )
+        })
+    }
+}
