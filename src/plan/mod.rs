@@ -1,5 +1,311 @@
 //! What a frame consists of, decided from what the scene needs; pure data that names no Vulkan type.
+//!
+//! ```text
+//! Needs::of(scene) -> Frame (stages and resources) -> place (attachments) -> passes (operations, dependencies)
+//! ```
+//!
+//! Same needs, options and limits give the same plan. A plan prints itself (`{plan}`), and everything in it says
+//! why it is there.
 
+mod access;
+mod budget;
+mod derive;
+mod format;
+mod layout;
+mod ledger;
+mod needs;
 mod options;
+mod print;
+mod stage;
 
+pub use access::{Access, Scope, State};
+pub use budget::{Verdict, verdicts};
+pub use format::Format;
+pub use layout::{LayoutTable, Target};
+pub use ledger::{
+    AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
+};
+pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub use options::{Layout, Options, OutputFormat, OutputUse, Strategy, Tonemap};
+
+use serde::Serialize;
+
+/// What a device allows, as far as a plan depends on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Limits {
+    /// Colour outputs of one subpass.
+    pub max_color_attachments: u32,
+    /// Input attachments of one subpass.
+    pub max_input_attachments: u32,
+    /// The longer side of an image, pixels.
+    pub max_image_size: u32,
+}
+
+impl Default for Limits {
+    /// What every Vulkan 1.1 device allows (Vulkan specification, table "Required Limits").
+    fn default() -> Self {
+        Self { max_color_attachments: 4, max_input_attachments: 4, max_image_size: 4096 }
+    }
+}
+
+/// A physical attachment.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Attachment {
+    /// The names of the resources that live in it, in order of lifetime, joined by `/`.
+    pub name: String,
+    /// How a pixel is stored.
+    pub format: Format,
+    /// What the channels hold, one entry a resource.
+    pub holds: Vec<&'static str>,
+    /// The value that clearing gives, if it is cleared.
+    pub clear: Option<[f32; 4]>,
+    /// The host's image.
+    pub is_output: bool,
+    /// Never loaded and never stored: needs no memory on a tiler.
+    pub transient: bool,
+    /// What it is used for.
+    pub usage: Usage,
+    /// First and last stage.
+    pub lifetime: (usize, usize),
+    /// What needs it, one entry a resource.
+    pub why: Vec<String>,
+}
+
+/// Uses of an attachment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Usage {
+    /// Colour output.
+    pub color: bool,
+    /// Depth test.
+    pub depth: bool,
+    /// Input attachment.
+    pub input: bool,
+    /// Copied from.
+    pub copy_source: bool,
+    /// Colour output with fixed-function blending.
+    pub blend: bool,
+}
+
+/// What happens to an attachment's content when a pass begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Load {
+    /// Read from memory.
+    Load,
+    /// Set to the clear value, on the tile.
+    Clear,
+    /// Undefined.
+    DontCare,
+}
+
+/// What happens to an attachment's content when a pass ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Store {
+    /// Written to memory.
+    Store,
+    /// Dropped.
+    DontCare,
+}
+
+/// An attachment as one pass sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct PassAttachment {
+    /// Index into [`Plan::attachments`].
+    pub attachment: usize,
+    /// At the pass's begin.
+    pub load: Load,
+    /// At the pass's end.
+    pub store: Store,
+    /// State before the pass.
+    pub initial: State,
+    /// State after the pass.
+    pub last: State,
+}
+
+/// One render pass.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Pass {
+    /// The stages' names joined by `+`.
+    pub name: String,
+    /// Attachments; subpasses refer to them by position here.
+    pub attachments: Vec<PassAttachment>,
+    /// In order of execution.
+    pub subpasses: Vec<Subpass>,
+    /// Between subpasses, and to the outside.
+    pub dependencies: Vec<Dependency>,
+}
+
+/// One subpass; all lists hold positions in [`Pass::attachments`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Subpass {
+    /// The stage's name.
+    pub name: &'static str,
+    /// Why it exists.
+    pub why: String,
+    /// By colour output location.
+    pub colors: Vec<usize>,
+    /// Whether colour outputs are added to what is there.
+    pub blend: bool,
+    /// By input attachment index.
+    pub inputs: Vec<usize>,
+    /// Depth test.
+    pub depth: Option<usize>,
+    /// Not used here, but needed later.
+    pub preserve: Vec<usize>,
+    /// Colour bits a pixel that the tile must hold during this subpass.
+    pub live_color_bits: u32,
+    /// Depth bits a pixel that the tile must hold during this subpass.
+    pub live_depth_bits: u32,
+}
+
+/// An execution and memory dependency.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Dependency {
+    /// Subpass that comes first; `None` is what happened before the pass.
+    pub from: Option<usize>,
+    /// Subpass that waits; `None` is what follows the pass.
+    pub to: Option<usize>,
+    /// What must be finished and visible.
+    pub before: Scope,
+    /// What waits for it.
+    pub after: Scope,
+    /// Only the same pixel matters: tilers may stay on the tile.
+    pub by_region: bool,
+    /// What orders them.
+    pub why: Vec<String>,
+}
+
+/// A graphics pipeline that a frame needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pipeline {
+    /// Draws one kind of surface into the G-buffer, or straight to the output in a wholly unlit scene.
+    Surface(SurfaceKind),
+    /// Shades the G-buffer.
+    Lighting,
+    /// Applies the tone curve.
+    Tonemap,
+}
+
+/// Everything that a frame creates and does.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plan {
+    /// What was asked for.
+    pub options: Options,
+    /// What the scene needs.
+    pub needs: Needs,
+    /// Physical attachments; the first is the output.
+    pub attachments: Vec<Attachment>,
+    /// In order of execution.
+    pub passes: Vec<Pass>,
+    /// Pipelines with the stage they belong to.
+    pub pipelines: Vec<(usize, Pipeline)>,
+    /// Whether lighting applies the tone curve itself, so that there is no light target.
+    pub folded: bool,
+    /// Decisions that a reader may wonder about.
+    pub notes: Vec<String>,
+}
+
+impl Plan {
+    /// Decides everything.
+    ///
+    /// # Errors
+    /// [`crate::Error::Unsupported`] if the limits do not allow the layout or the size.
+    pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
+        check_size(&options, limits)?;
+        let frame = stage::Frame::new(&needs, &options);
+        let places = derive::place(&frame, &options);
+        let passes = derive::passes(&frame, &places, &options);
+        let attachments = derive::attachments(&frame, &places, &passes, &options);
+        check_counts(&passes, &options, limits)?;
+        let pipelines = pipelines(&frame, &needs);
+        let notes = notes(&needs, &options, &attachments, frame.folded);
+        Ok(Self { options, needs, attachments, passes, pipelines, folded: frame.folded, notes })
+    }
+
+    /// Whether a light target exists.
+    pub fn has_light_target(&self) -> bool {
+        self.needs.lit.is_some() && !self.folded
+    }
+
+    /// The number of subpasses in all passes: of stages.
+    pub fn stage_count(&self) -> usize {
+        self.passes.iter().map(|p| p.subpasses.len()).sum()
+    }
+
+    /// Pass, position in it and subpass of a stage.
+    pub fn subpass(&self, stage: usize) -> (usize, usize, &Subpass) {
+        let all = self.passes.iter().enumerate();
+        let mut flat =
+            all.flat_map(|(p, pass)| pass.subpasses.iter().enumerate().map(move |(s, sub)| (p, s, sub)));
+        flat.nth(stage).expect("stage index comes from this plan")
+    }
+}
+
+fn check_size(options: &Options, limits: &Limits) -> crate::Result<()> {
+    let [width, height] = options.size;
+    let most = limits.max_image_size;
+    if width == 0 || height == 0 || width > most || height > most {
+        return Err(crate::Error::unsupported(
+            format!("an image of {width}x{height} pixels cannot be rendered"),
+            format!("choose a size from 1x1 to {most}x{most}"),
+        ));
+    }
+    Ok(())
+}
+
+fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) -> crate::Result<()> {
+    for subpass in passes.iter().flat_map(|p| &p.subpasses) {
+        let checks = [
+            ("colour attachments", subpass.colors.len(), limits.max_color_attachments),
+            ("input attachments", subpass.inputs.len(), limits.max_input_attachments),
+        ];
+        for (what, wanted, most) in checks {
+            if wanted > most as usize {
+                return Err(crate::Error::unsupported(
+                    format!("subpass {} needs {wanted} {what}, the device allows {most}", subpass.name),
+                    format!("choose another layout than {}", options.layout),
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn pipelines(frame: &stage::Frame, needs: &Needs) -> Vec<(usize, Pipeline)> {
+    let stage = |name| frame.stages.iter().position(|s| s.name == name);
+    let surfaces = needs.kinds.iter().map(|n| (0, Pipeline::Surface(n.kind)));
+    let lighting = stage("lighting").map(|s| (s, Pipeline::Lighting));
+    let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
+    surfaces.chain(lighting).chain(tonemap).collect()
+}
+
+fn notes(needs: &Needs, options: &Options, attachments: &[Attachment], folded: bool) -> Vec<String> {
+    let mut notes = Vec::new();
+    if needs.lit.is_none() {
+        notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());
+    } else if folded {
+        notes.push(
+            "no light exists before lighting: lighting and tonemap are one subpass, no light target".into(),
+        );
+    } else {
+        let table = options.layout.table();
+        let range = format!("the light target holds exposed light up to {}", table.light_range);
+        notes.extend((table.light.format == Format::Rgb10a2Unorm).then_some(range));
+        if !options.recycle {
+            notes.push("recycling is off: every resource has an attachment of its own".into());
+        } else if !attachments[0].name.contains('/') {
+            let base = table.surface[2].format;
+            notes.push(if !options.output_is_input_attachment {
+                "the output cannot be read as an input attachment, so base_metallic has its own".into()
+            } else if base != options.output.into() {
+                let output = Format::from(options.output);
+                format!("base_metallic is {base} and the output {output}, so they cannot share an attachment")
+            } else {
+                "the G-buffer is kept, so the output cannot stand in for base_metallic".into()
+            });
+        }
+    }
+    notes
+}

@@ -1,0 +1,108 @@
+//! How memory is accessed, and the state that an attachment is in between accesses.
+
+use std::collections::BTreeSet;
+
+use serde::Serialize;
+
+use super::stage::Use;
+use super::{Load, OutputUse};
+
+/// A kind of memory access; the pipeline stages in which it happens follow from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Access {
+    /// Blending or loading a colour attachment.
+    ColorRead,
+    /// Writing, clearing or storing a colour attachment.
+    ColorWrite,
+    /// Depth test.
+    DepthRead,
+    /// Depth write, clear or store.
+    DepthWrite,
+    /// A fragment shader reads its own pixel.
+    InputRead,
+    /// A fragment shader samples.
+    SampledRead,
+    /// A copy reads.
+    TransferRead,
+}
+
+/// A set of accesses.
+pub type Scope = BTreeSet<Access>;
+
+impl Access {
+    /// The accesses that a use makes.
+    pub fn of(how: Use) -> Scope {
+        match how {
+            Use::Write => [Self::ColorWrite].into(),
+            Use::Blend => [Self::ColorRead, Self::ColorWrite].into(),
+            Use::Depth => [Self::DepthRead, Self::DepthWrite].into(),
+            Use::Read => [Self::InputRead].into(),
+        }
+    }
+
+    /// The access that a store operation makes, a discarding one included.
+    pub const fn store(depth: bool) -> Self {
+        if depth { Self::DepthWrite } else { Self::ColorWrite }
+    }
+
+    /// The access that a load operation makes: clearing and not caring count as writes.
+    pub const fn load(depth: bool, load: Load) -> Self {
+        match (depth, load) {
+            (false, Load::Load) => Self::ColorRead,
+            (true, Load::Load) => Self::DepthRead,
+            (depth, _) => Self::store(depth),
+        }
+    }
+
+    /// What the host does with the final image; presenting is ordered by a semaphore instead.
+    pub const fn after_frame(output: OutputUse) -> Option<Self> {
+        match output {
+            OutputUse::Copy => Some(Self::TransferRead),
+            OutputUse::Sample => Some(Self::SampledRead),
+            OutputUse::Draw => Some(Self::ColorWrite),
+            OutputUse::Present => None,
+        }
+    }
+}
+
+/// The arrangement in which an attachment's memory is left between accesses (an image layout).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum State {
+    /// No content to keep.
+    Undefined,
+    /// Colour output.
+    Color,
+    /// Depth test.
+    Depth,
+    /// Input attachment.
+    Input,
+    /// Source of copies.
+    CopySource,
+    /// Sampled.
+    Sampled,
+    /// Ready to be presented.
+    Present,
+}
+
+impl State {
+    /// The state that a use wants.
+    pub const fn of(how: Use) -> Self {
+        match how {
+            Use::Write | Use::Blend => Self::Color,
+            Use::Depth => Self::Depth,
+            Use::Read => Self::Input,
+        }
+    }
+
+    /// The state in which the host gets the final image.
+    pub const fn after_frame(output: OutputUse) -> Self {
+        match output {
+            OutputUse::Copy => Self::CopySource,
+            OutputUse::Present => Self::Present,
+            OutputUse::Sample => Self::Sampled,
+            OutputUse::Draw => Self::Color,
+        }
+    }
+}

@@ -1,0 +1,284 @@
+//! From stages to passes: which resources share an attachment, which stages share a pass, what is loaded and
+//! stored, and which dependencies order it all. Nothing here is typed in by hand; it follows from `Stage::uses`.
+
+use std::collections::BTreeMap;
+
+use super::access::{Access, Scope, State};
+use super::stage::{Frame, Use};
+use super::{Attachment, Dependency, Load, Options, Pass, PassAttachment, Store, Strategy, Subpass, Usage};
+
+/// Places resources in attachments, as a compiler allocates registers: a resource may take over an attachment of
+/// the same format once the previous occupant was last read in an earlier stage.
+///
+/// The final image is placed first and can take in earlier resources only if it may be read as an input
+/// attachment. A resource that must be cleared can only be the first occupant, because an attachment is cleared
+/// when its pass begins. Returns, for each attachment, its resources in order of lifetime.
+pub fn place(frame: &Frame, options: &Options) -> Vec<Vec<usize>> {
+    let mut places: Vec<Vec<usize>> = Vec::new();
+    for resource in 0..frame.resources.len() {
+        let fits = |place: &Vec<usize>| {
+            let mut all = place.clone();
+            all.push(resource);
+            options.recycle && can_share(frame, options, &mut all)
+        };
+        match places.iter().position(fits) {
+            Some(p) => places[p].push(resource),
+            None => places.push(vec![resource]),
+        }
+    }
+    for place in &mut places {
+        place.sort_by_key(|&r| frame.lifetime(r));
+    }
+    places
+}
+
+fn can_share(frame: &Frame, options: &Options, all: &mut [usize]) -> bool {
+    all.sort_by_key(|&r| frame.lifetime(r));
+    let format = frame.resources[all[0]].format;
+    let reads_output = all.contains(&Frame::OUTPUT) && !options.output_is_input_attachment;
+    !reads_output
+        && all.iter().all(|&r| frame.resources[r].format == format)
+        && all.iter().skip(1).all(|&r| frame.resources[r].clear.is_none())
+        && all.windows(2).all(|w| frame.lifetime(w[0]).1 < frame.lifetime(w[1]).0)
+}
+
+/// How one pass touches one attachment, in order of stages.
+struct Touch {
+    subpass: usize,
+    resource: usize,
+    how: Use,
+}
+
+/// Groups stages into passes and derives every operation.
+pub fn passes(frame: &Frame, places: &[Vec<usize>], options: &Options) -> Vec<Pass> {
+    let groups: Vec<Vec<usize>> = match options.strategy {
+        Strategy::Subpasses => vec![(0..frame.stages.len()).collect()],
+        Strategy::Separate => (0..frame.stages.len()).map(|s| vec![s]).collect(),
+    };
+    let place_of = |resource| places.iter().position(|p| p.contains(&resource)).unwrap_or(0);
+    let mut states: BTreeMap<usize, State> = BTreeMap::new();
+    groups.iter().map(|stages| pass(frame, options, stages, &place_of, &mut states)).collect()
+}
+
+fn pass(
+    frame: &Frame,
+    options: &Options,
+    stages: &[usize],
+    place_of: &dyn Fn(usize) -> usize,
+    states: &mut BTreeMap<usize, State>,
+) -> Pass {
+    let mut touches: BTreeMap<usize, Vec<Touch>> = BTreeMap::new();
+    for (subpass, &stage) in stages.iter().enumerate() {
+        for &(resource, how) in &frame.stages[stage].uses {
+            touches.entry(place_of(resource)).or_default().push(Touch { subpass, resource, how });
+        }
+    }
+    let [first_stage, last_stage] = [stages[0], stages[stages.len() - 1]];
+    let mut dependencies = Dependencies::default();
+    let mut attachments = Vec::new();
+    for (&attachment, touches) in &touches {
+        let [first, last] = [&touches[0], &touches[touches.len() - 1]];
+        let depth = frame.resources[first.resource].format.is_depth();
+        let written_before = frame.lifetime(first.resource).0 < first_stage;
+        let load = match frame.resources[first.resource].clear {
+            _ if written_before => Load::Load,
+            Some(_) => Load::Clear,
+            None => Load::DontCare,
+        };
+        let is_output = last.resource == Frame::OUTPUT;
+        let used_later = frame.resources[last.resource].kept || frame.lifetime(last.resource).1 > last_stage;
+        let store = if used_later { Store::Store } else { Store::DontCare };
+
+        let before = states.get(&attachment).copied().unwrap_or(State::Undefined);
+        let after = match last.how {
+            _ if is_output => State::after_frame(options.output_use),
+            _ if frame.resources[last.resource].kept && last_stage + 1 == frame.stages.len() => {
+                State::CopySource
+            }
+            how => State::of(how),
+        };
+        states.insert(attachment, after);
+
+        dependencies.order_within(frame, touches, depth);
+        dependencies.order_with_outside(
+            touches,
+            depth,
+            load,
+            store,
+            (is_output && used_later).then_some(options),
+        );
+        attachments.push(PassAttachment {
+            attachment,
+            load,
+            store,
+            initial: if load == Load::Load { before } else { State::Undefined },
+            last: after,
+        });
+    }
+    let index_of =
+        |resource| attachments.iter().position(|a| a.attachment == place_of(resource)).unwrap_or(0);
+    let subpasses = stages
+        .iter()
+        .enumerate()
+        .map(|(index, &stage)| subpass(frame, stage, index, &touches, &attachments, &index_of))
+        .collect();
+    Pass {
+        name: stages.iter().map(|&s| frame.stages[s].name).collect::<Vec<_>>().join("+"),
+        attachments,
+        subpasses,
+        dependencies: dependencies.finish(),
+    }
+}
+
+fn subpass(
+    frame: &Frame,
+    stage: usize,
+    index: usize,
+    touches: &BTreeMap<usize, Vec<Touch>>,
+    attachments: &[PassAttachment],
+    index_of: &dyn Fn(usize) -> usize,
+) -> Subpass {
+    let stage = &frame.stages[stage];
+    let of = |wanted: &[Use]| -> Vec<usize> {
+        stage.uses.iter().filter(|(_, how)| wanted.contains(how)).map(|(r, _)| index_of(*r)).collect()
+    };
+    // Live here: used at or after its first touch, up to its last one or, when stored, to the end of the pass.
+    let alive = |a: &PassAttachment| {
+        let touches = &touches[&a.attachment];
+        let until = if a.store == Store::Store { usize::MAX } else { touches[touches.len() - 1].subpass };
+        let since = if a.load == Load::DontCare { touches[0].subpass } else { 0 };
+        (since..=until).contains(&index)
+    };
+    let unused_here = |a: &PassAttachment| touches[&a.attachment].iter().all(|t| t.subpass != index);
+    let live: Vec<_> = (0..attachments.len()).filter(|&i| alive(&attachments[i])).collect();
+    let bits = |depth: bool| {
+        let format = |i: usize| frame.resources[touches[&attachments[i].attachment][0].resource].format;
+        live.iter().map(|&i| format(i)).filter(|f| f.is_depth() == depth).map(|f| f.bits()).sum()
+    };
+    Subpass {
+        name: stage.name,
+        why: stage.why.clone(),
+        colors: of(&[Use::Write, Use::Blend]),
+        blend: stage.uses.iter().any(|(_, how)| *how == Use::Blend),
+        inputs: of(&[Use::Read]),
+        depth: of(&[Use::Depth]).first().copied(),
+        preserve: live.iter().copied().filter(|&i| unused_here(&attachments[i])).collect(),
+        live_color_bits: bits(false),
+        live_depth_bits: bits(true),
+    }
+}
+
+/// Collects dependencies; one per pair of subpasses.
+#[derive(Default)]
+struct Dependencies(BTreeMap<(Option<usize>, Option<usize>), Dependency>);
+
+impl Dependencies {
+    fn add(&mut self, from: Option<usize>, to: Option<usize>, before: Scope, after: Scope, why: String) {
+        let entry = self.0.entry((from, to)).or_insert_with(|| Dependency {
+            from,
+            to,
+            before: Scope::default(),
+            after: Scope::default(),
+            // Every read is of the reader's own pixel, so a tile never waits for another one.
+            by_region: from.is_some() && to.is_some(),
+            why: Vec::new(),
+        });
+        entry.before.extend(before);
+        entry.after.extend(after);
+        entry.why.push(why);
+    }
+
+    /// Each touch waits for the one before it. The store at the end of the pass, even one that discards, counts
+    /// as a write by the last subpass that touches the attachment, so that write is ordered too.
+    fn order_within(&mut self, frame: &Frame, touches: &[Touch], depth: bool) {
+        for (i, pair) in touches.windows(2).enumerate() {
+            let [a, b] = [&pair[0], &pair[1]];
+            let mut after = Access::of(b.how);
+            if i + 2 == touches.len() {
+                after.insert(Access::store(depth));
+            }
+            let names = [a.resource, b.resource].map(|r| frame.resources[r].name);
+            let why = match (a.how.writes(), b.how.writes()) {
+                (true, false) => format!("{} is written, then read", names[0]),
+                (true, true) => format!("{} is written, then added to", names[0]),
+                (false, true) => format!("{} is read, then overwritten by {}", names[0], names[1]),
+                (false, false) => continue,
+            };
+            self.add(Some(a.subpass), Some(b.subpass), Access::of(a.how), after, why);
+        }
+    }
+
+    /// Orders the pass's first touch after earlier passes and frames, and what follows after its last one.
+    fn order_with_outside(
+        &mut self,
+        touches: &[Touch],
+        depth: bool,
+        load: Load,
+        store: Store,
+        output: Option<&Options>,
+    ) {
+        let [first, last] = [&touches[0], &touches[touches.len() - 1]];
+        let mut after = Access::of(first.how);
+        after.insert(Access::load(depth, load));
+        if touches.len() == 1 {
+            after.insert(Access::store(depth));
+        }
+        let mut before: Scope = [Access::store(depth), Access::InputRead].into();
+        before.extend(output.and_then(|o| Access::after_frame(o.output_use)));
+        let why = "attachments are used by earlier passes and frames".to_owned();
+        self.add(None, Some(first.subpass), before, after, why);
+        if let Some(access) = output.and_then(|o| Access::after_frame(o.output_use)) {
+            let before = [Access::store(depth)].into();
+            self.add(Some(last.subpass), None, before, [access].into(), "the host uses the output".into());
+        } else if store == Store::Store {
+            let before = [Access::store(depth)].into();
+            let after = [Access::InputRead, Access::load(depth, Load::Load), Access::TransferRead].into();
+            self.add(Some(last.subpass), None, before, after, "later passes load what is stored".into());
+        }
+    }
+
+    fn finish(self) -> Vec<Dependency> {
+        let mut all: Vec<_> = self.0.into_values().collect();
+        for d in &mut all {
+            d.why.sort();
+            d.why.dedup();
+        }
+        all
+    }
+}
+
+/// Describes the attachments that resources were placed in.
+pub fn attachments(
+    frame: &Frame,
+    places: &[Vec<usize>],
+    passes: &[Pass],
+    options: &Options,
+) -> Vec<Attachment> {
+    let describe = |(index, place): (usize, &Vec<usize>)| {
+        let resources = place.iter().map(|&r| &frame.resources[r]);
+        let uses: Vec<_> =
+            frame.stages.iter().flat_map(|s| &s.uses).filter(|(r, _)| place.contains(r)).collect();
+        let has = |wanted: &[Use]| uses.iter().any(|(_, how)| wanted.contains(how));
+        let is_output = place.contains(&Frame::OUTPUT);
+        let kept = resources.clone().any(|r| r.kept);
+        let in_passes = || passes.iter().flat_map(|p| &p.attachments).filter(|a| a.attachment == index);
+        Attachment {
+            name: resources.clone().map(|r| r.name).collect::<Vec<_>>().join("/"),
+            format: frame.resources[place[0]].format,
+            holds: resources.clone().map(|r| r.holds).collect(),
+            clear: frame.resources[place[0]].clear,
+            is_output,
+            transient: !is_output && in_passes().all(|a| a.load != Load::Load && a.store != Store::Store),
+            usage: Usage {
+                color: has(&[Use::Write, Use::Blend]),
+                depth: has(&[Use::Depth]),
+                input: has(&[Use::Read]),
+                copy_source: if is_output { options.output_use == super::OutputUse::Copy } else { kept },
+                blend: has(&[Use::Blend]),
+            },
+            lifetime: (frame.lifetime(place[0]).0, frame.lifetime(place[place.len() - 1]).1),
+            why: resources.map(|r| r.why.clone()).collect(),
+        }
+    };
+    places.iter().enumerate().map(describe).collect()
+}

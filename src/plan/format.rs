@@ -1,0 +1,65 @@
+//! Attachment formats, independent of any graphics API.
+
+use serde::{Deserialize, Serialize};
+
+use super::options::named_enum;
+
+named_enum! {
+    /// What one pixel of an attachment looks like.
+    Format {
+        /// One 32-bit float.
+        R32Float = "r32f",
+        /// Four 8-bit unsigned normalised channels.
+        Rgba8Unorm = "rgba8",
+        /// Three 8-bit sRGB-encoded channels and linear alpha.
+        Rgba8Srgb = "rgba8_srgb",
+        /// The same with red and blue swapped.
+        Bgra8Srgb = "bgra8_srgb",
+        /// Three 10-bit and one 2-bit unsigned normalised channels.
+        Rgb10a2Unorm = "rgb10a2",
+        /// Four half floats.
+        Rgba16Float = "rgba16f",
+        /// Four 32-bit floats.
+        Rgba32Float = "rgba32f",
+        /// 32-bit float depth.
+        D32Float = "d32f",
+    }
+}
+
+impl Format {
+    /// Bits of one sample.
+    pub const fn bits(self) -> u32 {
+        match self {
+            Self::R32Float
+            | Self::Rgba8Unorm
+            | Self::Rgba8Srgb
+            | Self::Bgra8Srgb
+            | Self::Rgb10a2Unorm
+            | Self::D32Float => 32,
+            Self::Rgba16Float => 64,
+            Self::Rgba32Float => 128,
+        }
+    }
+
+    /// Bytes of one sample.
+    pub const fn bytes(self) -> u32 {
+        self.bits() / 8
+    }
+
+    /// Whether this is a depth format.
+    pub const fn is_depth(self) -> bool {
+        matches!(self, Self::D32Float)
+    }
+}
+
+impl From<super::OutputFormat> for Format {
+    fn from(f: super::OutputFormat) -> Self {
+        use super::OutputFormat as O;
+        match f {
+            O::Rgba8Srgb => Self::Rgba8Srgb,
+            O::Bgra8Srgb => Self::Bgra8Srgb,
+            O::Rgba16Float => Self::Rgba16Float,
+            O::Rgba32Float => Self::Rgba32Float,
+        }
+    }
+}

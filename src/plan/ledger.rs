@@ -1,0 +1,247 @@
+//! The ledger: what a frame moves and holds, in one schema for `ontile plan --json` and `ontile render --report`.
+
+use serde::Serialize;
+
+use super::{Load, Needs, Options, Plan, Store, Verdict, verdicts};
+
+/// Where a figure comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Origin {
+    /// What this renderer asks the driver for.
+    Planned,
+    /// A formula from a publication.
+    Modelled,
+    /// The driver said so.
+    Driver,
+}
+
+/// A number and where it comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Figure {
+    /// The number.
+    pub value: f64,
+    /// Its origin.
+    pub origin: Origin,
+}
+
+impl Figure {
+    /// A planned figure.
+    pub fn planned(value: impl Into<f64>) -> Self {
+        Self { value: value.into(), origin: Origin::Planned }
+    }
+
+    /// A driver's figure.
+    pub fn driver(value: impl Into<f64>) -> Self {
+        Self { value: value.into(), origin: Origin::Driver }
+    }
+}
+
+/// One attachment in the ledger.
+#[derive(Clone, Debug, Serialize)]
+pub struct AttachmentReport {
+    /// Names of the resources that live in it.
+    pub name: String,
+    /// Format.
+    pub format: super::Format,
+    /// Bits a sample.
+    pub bits: u32,
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Whether it needs no memory on a tiler.
+    pub transient: bool,
+    /// Bytes that all passes of a frame load from memory, a pixel.
+    pub loaded_bytes_per_pixel: Figure,
+    /// Bytes that all passes of a frame store to memory, a pixel.
+    pub stored_bytes_per_pixel: Figure,
+    /// Bytes of memory that the driver committed to it; `null` where nothing was created, or where the memory
+    /// is not lazily allocated and so is always there.
+    pub committed_bytes: Option<Figure>,
+    /// Whether its memory is lazily allocated; `null` where nothing was created.
+    pub lazily_allocated: Option<bool>,
+    /// What needs it.
+    pub why: Vec<String>,
+}
+
+/// One subpass in the ledger.
+#[derive(Clone, Debug, Serialize)]
+pub struct SubpassReport {
+    /// Name.
+    pub name: &'static str,
+    /// Colour bits a pixel that are live on the tile.
+    pub live_color_bits: Figure,
+    /// Depth bits a pixel that are live on the tile.
+    pub live_depth_bits: Figure,
+    /// Names of input attachments.
+    pub inputs: Vec<String>,
+    /// Names of colour outputs.
+    pub outputs: Vec<String>,
+    /// Why it exists.
+    pub why: String,
+}
+
+/// One render pass in the ledger.
+#[derive(Clone, Debug, Serialize)]
+pub struct PassReport {
+    /// Name.
+    pub name: String,
+    /// In order of execution.
+    pub subpasses: Vec<SubpassReport>,
+    /// Between subpasses, and to the outside.
+    pub dependencies: Vec<super::Dependency>,
+}
+
+/// Sums over a frame.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Totals {
+    /// Attachment bytes loaded from memory, a pixel.
+    pub loaded_bytes_per_pixel: Figure,
+    /// Attachment bytes stored to memory, a pixel.
+    pub stored_bytes_per_pixel: Figure,
+    /// Render passes.
+    pub passes: usize,
+    /// Subpasses in all passes.
+    pub subpasses: usize,
+}
+
+/// What only a device can tell.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct DeviceFigures {
+    /// Device name.
+    pub device: String,
+    /// Driver name and version.
+    pub driver: String,
+    /// Whether a memory type is lazily allocated; where none is, transient attachments take ordinary memory.
+    pub has_lazy_memory: bool,
+    /// Median GPU time of a frame by timestamps, milliseconds.
+    pub gpu_frame_ms: Option<Figure>,
+    /// Median GPU time of each stage by timestamps, milliseconds, where the device tells them apart.
+    pub gpu_stage_ms: Vec<(String, Figure)>,
+    /// Median CPU time of recording a frame, milliseconds.
+    pub cpu_record_ms: Option<Figure>,
+    /// Pipeline statistics of the last frame: name and count.
+    pub statistics: Vec<(String, Figure)>,
+    /// Draw calls of a frame.
+    pub draws: usize,
+    /// Pipeline, descriptor set and buffer bindings of a frame.
+    pub state_changes: usize,
+    /// Frames rendered.
+    pub frames: usize,
+    /// Bytes of device memory that the renderer allocated, transient attachments excluded.
+    pub allocated_bytes: u64,
+    /// What the validation layer said; `null` when it was not asked.
+    pub validation_messages: Option<Vec<String>>,
+}
+
+/// The ledger of a plan, and of a frame once a device has drawn it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Version of this schema.
+    pub schema: &'static str,
+    /// Scene name.
+    pub scene: String,
+    /// What was asked for.
+    pub options: Options,
+    /// What the scene needs.
+    pub needs: Needs,
+    /// Physical attachments.
+    pub attachments: Vec<AttachmentReport>,
+    /// Render passes.
+    pub passes: Vec<PassReport>,
+    /// Pipelines, as text.
+    pub pipelines: Vec<String>,
+    /// Sums.
+    pub totals: Totals,
+    /// One per GPU family.
+    pub verdicts: Vec<Verdict>,
+    /// Decisions that a reader may wonder about.
+    pub notes: Vec<String>,
+    /// What the scene's loader left out or changed.
+    pub warnings: Vec<String>,
+    /// Only after a frame was drawn.
+    pub device: Option<DeviceFigures>,
+}
+
+impl Plan {
+    /// Bytes a pixel that all passes load (first) and store (second) of one attachment.
+    pub fn traffic(&self, attachment: usize) -> [u32; 2] {
+        let bytes = self.attachments[attachment].format.bytes();
+        let uses =
+            || self.passes.iter().flat_map(|p| &p.attachments).filter(move |a| a.attachment == attachment);
+        let loads = uses().filter(|a| a.load == Load::Load).count() as u32;
+        let stores = uses().filter(|a| a.store == Store::Store).count() as u32;
+        [loads * bytes, stores * bytes]
+    }
+
+    /// The ledger, without a device's figures.
+    pub fn report(&self, scene: &crate::scene::Scene) -> Report {
+        let traffic: Vec<_> = (0..self.attachments.len()).map(|a| self.traffic(a)).collect();
+        let sum = |way: usize| Figure::planned(traffic.iter().map(|t| t[way]).sum::<u32>());
+        let attachments =
+            self.attachments.iter().zip(&traffic).map(|(a, [loaded, stored])| AttachmentReport {
+                name: a.name.clone(),
+                format: a.format,
+                bits: a.format.bits(),
+                samples: 1,
+                transient: a.transient,
+                loaded_bytes_per_pixel: Figure::planned(*loaded),
+                stored_bytes_per_pixel: Figure::planned(*stored),
+                committed_bytes: None,
+                lazily_allocated: None,
+                why: a.why.clone(),
+            });
+        Report {
+            schema: "ontile-report-1",
+            scene: scene.name.clone(),
+            options: self.options.clone(),
+            needs: self.needs.clone(),
+            attachments: attachments.collect(),
+            passes: self.passes.iter().map(|p| self.pass_report(p)).collect(),
+            pipelines: self.pipelines.iter().map(|(_, p)| self.pipeline_text(p)).collect(),
+            totals: Totals {
+                loaded_bytes_per_pixel: sum(0),
+                stored_bytes_per_pixel: sum(1),
+                passes: self.passes.len(),
+                subpasses: self.stage_count(),
+            },
+            verdicts: verdicts(self),
+            notes: self.notes.clone(),
+            warnings: scene.warnings.clone(),
+            device: None,
+        }
+    }
+
+    fn pass_report(&self, pass: &super::Pass) -> PassReport {
+        let names = |list: &[usize]| -> Vec<String> {
+            list.iter().map(|&i| self.attachments[pass.attachments[i].attachment].name.clone()).collect()
+        };
+        let subpasses = pass.subpasses.iter().map(|s| SubpassReport {
+            name: s.name,
+            live_color_bits: Figure::planned(s.live_color_bits),
+            live_depth_bits: Figure::planned(s.live_depth_bits),
+            inputs: names(&s.inputs),
+            outputs: names(&s.colors),
+            why: s.why.clone(),
+        });
+        PassReport {
+            name: pass.name.clone(),
+            subpasses: subpasses.collect(),
+            dependencies: pass.dependencies.clone(),
+        }
+    }
+
+    /// A pipeline in words.
+    pub fn pipeline_text(&self, pipeline: &super::Pipeline) -> String {
+        use super::Pipeline as P;
+        match pipeline {
+            P::Surface(kind) => {
+                let need = self.needs.kinds.iter().find(|n| n.kind == *kind);
+                let why = need.map(|n| format!(" ({} instances, first {})", n.instances, n.why));
+                format!("surface {kind}{}", why.unwrap_or_default())
+            }
+            P::Lighting if self.folded => format!("lighting, {} tone curve", self.options.tonemap),
+            P::Lighting => "lighting".into(),
+            P::Tonemap => format!("tonemap, {} curve", self.options.tonemap),
+        }
+    }
+}

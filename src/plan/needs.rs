@@ -1,0 +1,205 @@
+//! What a scene needs of the renderer: the only thing a plan knows about a scene.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::scene::{AlphaMode, LightKind, Material, Mesh, Scene, TextureRef};
+
+/// The texture slots of a material, in the order of shader slots.
+pub const SLOTS: [&str; 5] = ["base colour", "metallic-roughness", "normal", "occlusion", "emissive"];
+
+/// Everything that decides which geometry pipeline draws a mesh.
+///
+/// A bit set over [`SLOTS`] is a `u8` whose bit `i` is slot `i`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+pub struct SurfaceKind {
+    /// The base colour is the result; no G-buffer content.
+    pub unlit: bool,
+    /// Slots that are sampled.
+    pub textures: u8,
+    /// Sampled slots that use TEXCOORD_1 (else TEXCOORD_0).
+    pub second_texcoord: u8,
+    /// Sampled slots with a texture transform.
+    pub transformed: u8,
+    /// COLOR_0 multiplies the base colour.
+    pub vertex_color: bool,
+    /// Fragments below the cutoff are discarded.
+    pub alpha_mask: bool,
+    /// Drawn from both sides.
+    pub double_sided: bool,
+    /// The instance's transform turns the winding round.
+    pub mirrored: bool,
+    /// Adds emitted light.
+    pub emissive: bool,
+    /// Adds ambient light.
+    pub ambient: bool,
+}
+
+impl SurfaceKind {
+    /// What drawing `mesh` with `material` needs.
+    pub fn new(mesh: &Mesh, material: &Material, mirrored: bool, ambient: bool) -> Self {
+        let lit = !material.unlit;
+        let emissive = lit && material.emissive_factor != glam::Vec3::ZERO;
+        let ambient = lit && ambient;
+        let mut kind = Self {
+            unlit: material.unlit,
+            vertex_color: !mesh.colors.is_empty(),
+            alpha_mask: matches!(material.alpha_mode, AlphaMode::Mask { .. }),
+            double_sided: material.double_sided,
+            mirrored,
+            emissive,
+            ambient,
+            ..Self::default()
+        };
+        let wanted = [
+            true,
+            lit,
+            lit && !mesh.tangents.is_empty(),
+            ambient && material.occlusion_strength != 0.0,
+            emissive,
+        ];
+        for (slot, (texture, wanted)) in Self::textures_of(material).into_iter().zip(wanted).enumerate() {
+            let Some(texture) = texture.filter(|t| wanted && !mesh.texcoords[t.texcoord].is_empty()) else {
+                continue;
+            };
+            let bit = 1 << slot;
+            kind.textures |= bit;
+            kind.second_texcoord |= if texture.texcoord == 1 { bit } else { 0 };
+            kind.transformed |= if texture.uv_from_texcoord == TextureRef::IDENTITY { 0 } else { bit };
+        }
+        kind
+    }
+
+    /// The material's textures in slot order.
+    pub fn textures_of(m: &Material) -> [Option<TextureRef>; 5] {
+        [
+            m.base_color_texture,
+            m.metallic_roughness_texture,
+            m.normal_texture,
+            m.occlusion_texture,
+            m.emissive_texture,
+        ]
+    }
+
+    /// Whether this slot is sampled.
+    pub fn samples(&self, slot: usize) -> bool {
+        self.textures & (1 << slot) != 0
+    }
+
+    /// The index of this slot's texture among the sampled ones.
+    pub fn texture_index(&self, slot: usize) -> Option<usize> {
+        self.samples(slot).then(|| (self.textures & ((1 << slot) - 1)).count_ones() as usize)
+    }
+
+    /// Whether this slot holds sRGB-encoded colour.
+    pub const fn is_srgb(slot: usize) -> bool {
+        matches!(slot, 0 | 4)
+    }
+
+    /// Whether normal mapping needs a tangent per vertex.
+    pub fn needs_tangents(&self) -> bool {
+        self.samples(2)
+    }
+
+    /// Texture coordinate sets that are read.
+    pub fn texcoord_sets(&self) -> [bool; 2] {
+        [self.textures & !self.second_texcoord != 0, self.second_texcoord != 0]
+    }
+}
+
+impl std::fmt::Display for SurfaceKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", if self.unlit { "unlit" } else { "lit" })?;
+        for (slot, name) in SLOTS.iter().enumerate().filter(|(slot, _)| self.samples(*slot)) {
+            write!(f, " +{name}")?;
+            if self.second_texcoord & (1 << slot) != 0 {
+                write!(f, " (TEXCOORD_1)")?;
+            }
+            if self.transformed & (1 << slot) != 0 {
+                write!(f, " (transformed)")?;
+            }
+        }
+        let flags = [
+            (self.vertex_color, "vertex colour"),
+            (self.alpha_mask, "alpha mask"),
+            (self.double_sided, "double-sided"),
+            (self.mirrored, "mirrored"),
+            (self.emissive, "emissive"),
+            (self.ambient, "ambient"),
+        ];
+        flags.iter().filter(|(on, _)| *on).try_for_each(|(_, name)| write!(f, " +{name}"))
+    }
+}
+
+/// One kind of surface, and the scene elements that need it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KindNeed {
+    /// What the pipeline must do.
+    pub kind: SurfaceKind,
+    /// How many instances are drawn with it.
+    pub instances: usize,
+    /// The first material that needs it.
+    pub why: String,
+}
+
+/// What a scene needs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Needs {
+    /// Kinds of surfaces, in pipeline order.
+    pub kinds: Vec<KindNeed>,
+    /// The first lit material, if any: G-buffer and lighting exist for it.
+    pub lit: Option<String>,
+    /// Why light must be summed before lighting (emission, ambient light, unlit surfaces beside lit ones);
+    /// empty if nothing asks for a light target.
+    pub prelit: Vec<String>,
+    /// Directional lights.
+    pub directional_lights: usize,
+    /// Point lights.
+    pub point_lights: usize,
+    /// Spot lights.
+    pub spot_lights: usize,
+    /// Triangles drawn; a single one needs no depth test.
+    pub triangles: usize,
+}
+
+impl Needs {
+    /// Reads them off a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let ambient = scene.ambient_nt != glam::Vec3::ZERO;
+        let mut kinds: BTreeMap<SurfaceKind, KindNeed> = BTreeMap::new();
+        for instance in &scene.instances {
+            let mesh = &scene.meshes[instance.mesh];
+            let material = &scene.materials[mesh.material];
+            let kind = SurfaceKind::new(mesh, material, instance.is_mirrored(), ambient);
+            kinds
+                .entry(kind)
+                .or_insert_with(|| KindNeed {
+                    kind,
+                    instances: 0,
+                    why: format!("material '{}'", material.name),
+                })
+                .instances += 1;
+        }
+        let kinds: Vec<_> = kinds.into_values().collect();
+        let first = |wanted: fn(&SurfaceKind) -> bool| kinds.iter().find(|n| wanted(&n.kind));
+        let lit = first(|k| !k.unlit).map(|n| n.why.clone());
+        let mut prelit = Vec::new();
+        if lit.is_some() {
+            let mut ask = |wanted, what| prelit.extend(first(wanted).map(|n| format!("{} {what}", n.why)));
+            ask(|k| k.emissive, "is emissive");
+            ask(|k| k.unlit, "is unlit");
+            ask(|k| k.ambient, "receives ambient light");
+        }
+        let count = |wanted: fn(&LightKind) -> bool| scene.lights.iter().filter(|l| wanted(&l.kind)).count();
+        Self {
+            lit,
+            prelit,
+            directional_lights: count(|k| matches!(k, LightKind::Directional { .. })),
+            point_lights: count(|k| matches!(k, LightKind::Point { .. })),
+            spot_lights: count(|k| matches!(k, LightKind::Spot { .. })),
+            triangles: scene.triangle_count(),
+            kinds,
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! A plan for people.
+
+use std::fmt::{Display, Formatter, Result};
+
+use super::{Load, Pass, Plan, Store, verdicts};
+
+impl Display for Plan {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let o = &self.options;
+        let [width, height] = o.size;
+        writeln!(
+            f,
+            "plan: {width}x{height}, strategy {}, layout {} ({})",
+            o.strategy,
+            o.layout,
+            o.layout.table().source
+        )?;
+        for note in &self.notes {
+            writeln!(f, "  - {note}")?;
+        }
+        self.print_attachments(f)?;
+        for (index, pass) in self.passes.iter().enumerate() {
+            self.print_pass(f, index, pass)?;
+        }
+        writeln!(f, "\npipelines: {}", self.pipelines.len())?;
+        for (stage, pipeline) in &self.pipelines {
+            writeln!(f, "  {:<10} {}", self.subpass(*stage).2.name, self.pipeline_text(pipeline))?;
+        }
+        self.print_ledger(f)
+    }
+}
+
+impl Plan {
+    fn print_attachments(&self, f: &mut Formatter<'_>) -> Result {
+        writeln!(f, "\nattachments: {}", self.attachments.len())?;
+        for a in &self.attachments {
+            let place = match (a.is_output, a.transient) {
+                (true, _) => "host's image",
+                (_, true) => "transient",
+                _ => "in memory",
+            };
+            let (first, last) = a.lifetime;
+            let stages = [first, last].map(|s| self.subpass(s).2.name);
+            writeln!(
+                f,
+                "  {:<22} {:<11} {:>3} bits  {place:<12}  {}..{}",
+                a.name,
+                a.format,
+                a.format.bits(),
+                stages[0],
+                stages[1]
+            )?;
+            for (holds, why) in a.holds.iter().zip(&a.why) {
+                writeln!(f, "      {holds}; {why}")?;
+            }
+        }
+        Ok(())
+    }
+
+    fn print_pass(&self, f: &mut Formatter<'_>, index: usize, pass: &Pass) -> Result {
+        writeln!(f, "\nrender pass {index}: {}", pass.name)?;
+        let name = |i: usize| self.attachments[pass.attachments[i].attachment].name.as_str();
+        for (i, a) in pass.attachments.iter().enumerate() {
+            let load = match a.load {
+                Load::Load => "LOAD",
+                Load::Clear => "clear",
+                Load::DontCare => "don't care",
+            };
+            let store = match a.store {
+                Store::Store => "STORE",
+                Store::DontCare => "don't care",
+            };
+            writeln!(
+                f,
+                "  {:<22} load {load:<10}  store {store:<10}  {:?} -> {:?}",
+                name(i),
+                a.initial,
+                a.last
+            )?;
+        }
+        for (i, s) in pass.subpasses.iter().enumerate() {
+            let list = |l: &[usize]| l.iter().map(|&i| name(i)).collect::<Vec<_>>().join(", ");
+            writeln!(f, "  subpass {i} {}: {}", s.name, s.why)?;
+            if !s.inputs.is_empty() {
+                writeln!(f, "      reads   {}", list(&s.inputs))?;
+            }
+            let blend = if s.blend { " (added)" } else { "" };
+            writeln!(f, "      writes  {}{blend}", list(&s.colors))?;
+            if let Some(depth) = s.depth {
+                writeln!(f, "      tests   {}", name(depth))?;
+            }
+            writeln!(
+                f,
+                "      on tile {} colour + {} depth bits a pixel",
+                s.live_color_bits, s.live_depth_bits
+            )?;
+        }
+        let end = |s: Option<usize>| s.map_or("outside", |s| pass.subpasses[s].name);
+        for d in &pass.dependencies {
+            let region = if d.by_region { " by region" } else { "" };
+            writeln!(
+                f,
+                "  dependency {} -> {}{region}: {:?} -> {:?}",
+                end(d.from),
+                end(d.to),
+                d.before,
+                d.after
+            )?;
+            for why in &d.why {
+                writeln!(f, "      {why}")?;
+            }
+        }
+        Ok(())
+    }
+
+    fn print_ledger(&self, f: &mut Formatter<'_>) -> Result {
+        writeln!(f, "\nledger (planned), bytes a pixel:      loaded  stored")?;
+        let mut total = [0, 0];
+        for (i, a) in self.attachments.iter().enumerate() {
+            let [loaded, stored] = self.traffic(i);
+            total = [total[0] + loaded, total[1] + stored];
+            writeln!(f, "  {:<34} {loaded:>6}  {stored:>6}", a.name)?;
+        }
+        writeln!(f, "  {:<34} {:>6}  {:>6}", "total", total[0], total[1])?;
+        let peak =
+            self.passes.iter().flat_map(|p| &p.subpasses).map(|s| s.live_color_bits).max().unwrap_or(0);
+        writeln!(
+            f,
+            "  {} render passes, {} subpasses, at most {peak} colour bits live on the tile",
+            self.passes.len(),
+            self.stage_count()
+        )?;
+        writeln!(f, "\ntilers (modelled):")?;
+        for v in verdicts(self) {
+            writeln!(
+                f,
+                "  {:<8} {:<12} {}",
+                v.family,
+                if v.fits { "on tile" } else { "not on tile" },
+                v.reason
+            )?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,165 @@
+//! The stages of a frame and the resources that they exchange, before anything is placed in memory.
+
+use super::{Format, Needs, Options, layout::Target};
+
+/// Something that stages write and read, one value a pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resource {
+    /// Name in plans and reports.
+    pub name: &'static str,
+    /// How it is stored.
+    pub format: Format,
+    /// What each channel holds.
+    pub holds: &'static str,
+    /// What pixels that nothing covers must hold; `None` where nothing reads them.
+    pub clear: Option<[f32; 4]>,
+    /// Outlives the frame: the final image, or a G-buffer that is kept to be read back.
+    pub kept: bool,
+    /// The scene element or the stage that needs it.
+    pub why: String,
+}
+
+/// How a stage uses a resource.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// Colour output that replaces what was there.
+    Write,
+    /// Colour output that is added to what was there.
+    Blend,
+    /// Depth test and write.
+    Depth,
+    /// Input attachment: this pixel of an earlier stage's output.
+    Read,
+}
+
+impl Use {
+    /// Whether earlier content matters.
+    pub const fn reads(self) -> bool {
+        matches!(self, Self::Blend | Self::Read)
+    }
+
+    /// Whether content changes.
+    pub const fn writes(self) -> bool {
+        !matches!(self, Self::Read)
+    }
+}
+
+/// One step of the frame; becomes a subpass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stage {
+    /// Name in plans, labels and reports.
+    pub name: &'static str,
+    /// Resources by index, in order of colour output location and of input attachment index.
+    pub uses: Vec<(usize, Use)>,
+    /// Why the stage exists.
+    pub why: String,
+}
+
+/// The stages of a frame with their resources. The last stage writes [`Frame::OUTPUT`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Indexed by `Stage::uses`.
+    pub resources: Vec<Resource>,
+    /// In order of execution.
+    pub stages: Vec<Stage>,
+    /// Whether lighting applies the tone curve itself.
+    pub folded: bool,
+}
+
+impl Frame {
+    /// The final image's index in `resources`.
+    pub const OUTPUT: usize = 0;
+
+    /// The least number of stages and resources that give the picture.
+    pub fn new(needs: &Needs, options: &Options) -> Self {
+        let mut resources = vec![Resource {
+            name: "output",
+            format: options.output.into(),
+            holds: "the final image",
+            clear: None,
+            kept: true,
+            why: "the picture".into(),
+        }];
+        let mut add = |target: &Target, kept, why: String| {
+            resources.push(Resource {
+                name: target.name,
+                format: target.format,
+                holds: target.holds,
+                clear: target.clear,
+                kept,
+                why,
+            });
+            resources.len() - 1
+        };
+        let depth_uses = if needs.triangles > 1 {
+            let target = Target {
+                name: "depth_test",
+                format: Format::D32Float,
+                holds: "reversed device depth, 0 is far",
+                used_bits: 32,
+                clear: Some([0.0; 4]),
+            };
+            vec![(add(&target, false, format!("{} triangles hide each other", needs.triangles)), Use::Depth)]
+        } else {
+            Vec::new()
+        };
+
+        let Some(lit) = &needs.lit else {
+            // Nothing covers the whole image, so the output itself must be cleared.
+            resources[Self::OUTPUT].clear = Some([0.0, 0.0, 0.0, 1.0]);
+            let uses = std::iter::once((Self::OUTPUT, Use::Write)).chain(depth_uses).collect();
+            let why = "nothing in the scene is lit: surfaces are drawn and tone-mapped at once".into();
+            return Self { resources, stages: vec![Stage { name: "geometry", uses, why }], folded: true };
+        };
+
+        let table = options.layout.table();
+        let surface: Vec<_> = table
+            .surface
+            .iter()
+            .map(|t| add(t, options.keep_gbuffer, format!("lighting reads it for lit surfaces ({lit})")))
+            .collect();
+        let light_why = if needs.prelit.is_empty() {
+            "lighting and tonemap are kept apart on request".into()
+        } else {
+            needs.prelit.join(", ")
+        };
+        let folded = needs.prelit.is_empty() && options.fold;
+        let light = (!folded).then(|| add(&table.light, options.keep_gbuffer, light_why));
+
+        let written = surface.iter().chain(&light).map(|&r| (r, Use::Write));
+        let geometry = Stage {
+            name: "geometry",
+            uses: written.chain(depth_uses).collect(),
+            why: format!("{} kinds of surface fill the G-buffer", needs.kinds.len()),
+        };
+        let read = surface.iter().map(|&r| (r, Use::Read));
+        let lighting = Stage {
+            name: "lighting",
+            uses: match light {
+                Some(light) => std::iter::once((light, Use::Blend)).chain(read).collect(),
+                None => std::iter::once((Self::OUTPUT, Use::Write)).chain(read).collect(),
+            },
+            why: format!(
+                "{} directional, {} point and {} spot lights{}",
+                needs.directional_lights,
+                needs.point_lights,
+                needs.spot_lights,
+                if folded { "; applies the tone curve too, since no light is summed before it" } else { "" }
+            ),
+        };
+        let tonemap = light.map(|light| Stage {
+            name: "tonemap",
+            uses: vec![(Self::OUTPUT, Use::Write), (light, Use::Read)],
+            why: "light from several stages was summed".into(),
+        });
+        Self { resources, stages: [geometry, lighting].into_iter().chain(tonemap).collect(), folded }
+    }
+
+    /// First and last stage that uses the resource; a kept resource lives to the last stage.
+    pub fn lifetime(&self, resource: usize) -> (usize, usize) {
+        let uses = |s: &Stage| s.uses.iter().any(|(r, _)| *r == resource);
+        let first = self.stages.iter().position(uses).unwrap_or(0);
+        let last = self.stages.iter().rposition(uses).unwrap_or(0);
+        (first, if self.resources[resource].kept { self.stages.len() - 1 } else { last })
+    }
+}
