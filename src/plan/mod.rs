@@ -17,6 +17,8 @@ mod needs;
 mod options;
 mod print;
 mod stage;
+#[cfg(test)]
+mod tests;
 
 pub use access::{Access, Scope, State};
 pub use budget::{Verdict, verdicts};

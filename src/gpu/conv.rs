@@ -1,0 +1,92 @@
+//! From the plan's words to Vulkan's: one exhaustive match each.
+
+use ash::vk;
+
+use crate::plan::{Access, Format, Load, Scope, State, Store, Usage};
+
+/// The Vulkan format.
+pub const fn format(f: Format) -> vk::Format {
+    match f {
+        Format::R32Float => vk::Format::R32_SFLOAT,
+        Format::Rgba8Unorm => vk::Format::R8G8B8A8_UNORM,
+        Format::Rgba8Srgb => vk::Format::R8G8B8A8_SRGB,
+        Format::Bgra8Srgb => vk::Format::B8G8R8A8_SRGB,
+        Format::Rgb10a2Unorm => vk::Format::A2B10G10R10_UNORM_PACK32,
+        Format::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
+        Format::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
+        Format::D32Float => vk::Format::D32_SFLOAT,
+    }
+}
+
+/// The aspect that views and barriers name.
+pub const fn aspect(f: Format) -> vk::ImageAspectFlags {
+    if f.is_depth() { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR }
+}
+
+/// The image layout.
+pub const fn layout(s: State) -> vk::ImageLayout {
+    match s {
+        State::Undefined => vk::ImageLayout::UNDEFINED,
+        State::Color => vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+        State::Depth => vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+        State::Input | State::Sampled => vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+        State::CopySource => vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+        State::Present => vk::ImageLayout::PRESENT_SRC_KHR,
+    }
+}
+
+/// The load operation.
+pub const fn load_op(l: Load) -> vk::AttachmentLoadOp {
+    match l {
+        Load::Load => vk::AttachmentLoadOp::LOAD,
+        Load::Clear => vk::AttachmentLoadOp::CLEAR,
+        Load::DontCare => vk::AttachmentLoadOp::DONT_CARE,
+    }
+}
+
+/// The store operation.
+pub const fn store_op(s: Store) -> vk::AttachmentStoreOp {
+    match s {
+        Store::Store => vk::AttachmentStoreOp::STORE,
+        Store::DontCare => vk::AttachmentStoreOp::DONT_CARE,
+    }
+}
+
+/// Image usage, without the transient flag.
+pub fn usage(u: Usage) -> vk::ImageUsageFlags {
+    let flags = [
+        (u.color, vk::ImageUsageFlags::COLOR_ATTACHMENT),
+        (u.depth, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT),
+        (u.input, vk::ImageUsageFlags::INPUT_ATTACHMENT),
+        (u.copy_source, vk::ImageUsageFlags::TRANSFER_SRC),
+    ];
+    flags.iter().filter(|(on, _)| *on).fold(vk::ImageUsageFlags::empty(), |all, (_, flag)| all | *flag)
+}
+
+/// Pipeline stages and access flags.
+pub fn scope(s: &Scope) -> (vk::PipelineStageFlags, vk::AccessFlags) {
+    use vk::{AccessFlags as A, PipelineStageFlags as S};
+    let tests = S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS;
+    s.iter().fold((S::empty(), A::empty()), |(stages, access), a| {
+        let (s, a) = match a {
+            Access::ColorRead => (S::COLOR_ATTACHMENT_OUTPUT, A::COLOR_ATTACHMENT_READ),
+            Access::ColorWrite => (S::COLOR_ATTACHMENT_OUTPUT, A::COLOR_ATTACHMENT_WRITE),
+            Access::DepthRead => (tests, A::DEPTH_STENCIL_ATTACHMENT_READ),
+            Access::DepthWrite => (tests, A::DEPTH_STENCIL_ATTACHMENT_WRITE),
+            Access::InputRead => (S::FRAGMENT_SHADER, A::INPUT_ATTACHMENT_READ),
+            Access::SampledRead => (S::FRAGMENT_SHADER, A::SHADER_READ),
+            Access::TransferRead => (S::TRANSFER, A::TRANSFER_READ),
+        };
+        (stages | s, access | a)
+    })
+}
+
+/// The fixed-function features that a format must have for a usage.
+pub fn format_features(u: Usage) -> vk::FormatFeatureFlags {
+    let flags = [
+        (u.color, vk::FormatFeatureFlags::COLOR_ATTACHMENT),
+        (u.blend, vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND),
+        (u.depth, vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT),
+    ];
+    flags.iter().filter(|(on, _)| *on).fold(vk::FormatFeatureFlags::empty(), |all, (_, flag)| all | *flag)
+}

@@ -1,0 +1,217 @@
+//! The derivation against a naive oracle: an interpreter that executes a derived plan on symbols and checks that
+//! every stage finds what it must find, for random frames. Removing any one load, clear, store or dependency from a
+//! plan must be noticed, so none is superfluous and the oracle is not blind.
+
+use std::collections::BTreeMap;
+
+use proptest::prelude::*;
+use proptest::strategy::Strategy;
+
+use super::access::Access;
+use super::stage::{Frame, Resource, Stage, Use};
+use super::*;
+
+/// What a pixel of an attachment holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Content {
+    Garbage,
+    Cleared,
+    /// The n-th version of a resource.
+    Version(usize, usize),
+}
+
+/// Executes the passes on symbols; `Err` says which stage found the wrong content.
+fn interpret(frame: &Frame, places: &[Vec<usize>], passes: &[Pass]) -> std::result::Result<(), String> {
+    let place_of = |r: usize| places.iter().position(|p| p.contains(&r)).unwrap();
+    let mut memory = vec![Content::Garbage; places.len()];
+    let mut versions = vec![0; frame.resources.len()];
+    let mut stages = frame.stages.iter();
+    for pass in passes {
+        let mut tile = vec![Content::Garbage; places.len()];
+        for a in &pass.attachments {
+            tile[a.attachment] = match a.load {
+                Load::Load => memory[a.attachment],
+                Load::Clear => Content::Cleared,
+                Load::DontCare => Content::Garbage,
+            };
+        }
+        for _ in &pass.subpasses {
+            let stage = stages.next().ok_or("more subpasses than stages")?;
+            for &(r, how) in &stage.uses {
+                let cell = &mut tile[place_of(r)];
+                let expected = match versions[r] {
+                    0 => Content::Cleared,
+                    n => Content::Version(r, n),
+                };
+                let first_partial_write = versions[r] == 0 && frame.resources[r].clear.is_some();
+                let matters = how.reads() || how == Use::Depth || first_partial_write;
+                if matters && *cell != expected {
+                    return Err(format!("{} finds {cell:?} instead of {expected:?}", stage.name));
+                }
+                if how.writes() {
+                    versions[r] += 1;
+                    *cell = Content::Version(r, versions[r]);
+                }
+            }
+        }
+        for a in &pass.attachments {
+            memory[a.attachment] = match a.store {
+                Store::Store => tile[a.attachment],
+                Store::DontCare => Content::Garbage,
+            };
+        }
+    }
+    for (r, _) in frame.resources.iter().enumerate().filter(|(_, resource)| resource.kept) {
+        if memory[place_of(r)] != Content::Version(r, versions[r]) {
+            return Err(format!("resource {r} is not in memory after the frame"));
+        }
+    }
+    Ok(())
+}
+
+/// Checks that every conflict between two subpasses is ordered by a dependency whose scopes cover it.
+fn check_dependencies(frame: &Frame, places: &[Vec<usize>], passes: &[Pass]) -> std::result::Result<(), String> {
+    let mut first_stage = 0;
+    for pass in passes {
+        for place in places {
+            let uses_in = |s: usize| {
+                let uses = frame.stages[first_stage + s].uses.iter();
+                uses.filter(|(r, _)| place.contains(r)).map(|(_, how)| *how).collect::<Vec<_>>()
+            };
+            let users: Vec<_> = (0..pass.subpasses.len()).filter(|&s| !uses_in(s).is_empty()).collect();
+            for pair in users.windows(2) {
+                let [i, j] = [pair[0], pair[1]];
+                for (a, b) in uses_in(i).into_iter().flat_map(|a| uses_in(j).into_iter().map(move |b| (a, b))) {
+                    let covered = !a.writes() && !b.writes()
+                        || pass.dependencies.iter().any(|d| {
+                            (d.from, d.to) == (Some(i), Some(j))
+                                && d.by_region
+                                && d.before.is_superset(&Access::of(a))
+                                && d.after.is_superset(&Access::of(b))
+                        });
+                    if !covered {
+                        return Err(format!("{a:?} in {i}, then {b:?} in {j} is not ordered"));
+                    }
+                }
+            }
+        }
+        first_stage += pass.subpasses.len();
+    }
+    Ok(())
+}
+
+prop_compose! {
+    /// Up to 5 stages that use up to 6 resources in every legal way; the last stage writes the output.
+    fn frames()(
+        stages in 1..=5_usize,
+        resources in prop::collection::vec(
+            (any::<[u8; 5]>(), any::<bool>(), any::<bool>(), any::<bool>(), 0..5_usize), 0..6),
+    ) -> Frame {
+        let mut uses: BTreeMap<usize, Vec<(usize, Use)>> = BTreeMap::new();
+        uses.entry(stages - 1).or_default().push((Frame::OUTPUT, Use::Write));
+        let resource = |format, clear: bool, kept| Resource {
+            name: "r", format, holds: "", clear: clear.then_some([0.0; 4]), kept, why: String::new(),
+        };
+        let mut all = vec![resource(Format::Rgba8Srgb, false, true)];
+        for (how, clear, kept, wide, start) in resources {
+            let r = all.len();
+            let start = start.min(stages - 1);
+            let is_depth = how[0] % 7 == 0;
+            let format = match (is_depth, wide) {
+                (true, _) => Format::D32Float,
+                (_, true) => Format::Rgba16Float,
+                _ => Format::Rgba8Srgb,
+            };
+            all.push(resource(format, clear || is_depth, kept && how[1] % 4 == 0));
+            for stage in start..stages {
+                let first = stage == start;
+                let how = match how[stage] % 4 {
+                    _ if is_depth => Use::Depth,
+                    _ if first && !clear => Use::Write,
+                    0 if !first => Use::Read,
+                    1 => Use::Blend,
+                    2 if first => Use::Write,
+                    3 if !first => continue,
+                    _ if first => Use::Write,
+                    _ => Use::Read,
+                };
+                uses.entry(stage).or_default().push((r, how));
+            }
+        }
+        let stage = |s| Stage { name: "s", uses: uses.remove(&s).unwrap_or_default(), why: String::new() };
+        Frame { resources: all, stages: (0..stages).map(stage).collect(), folded: false }
+    }
+}
+
+fn options() -> impl Strategy<Value = Options> {
+    (any::<bool>(), any::<bool>(), any::<bool>()).prop_map(|(separate, recycle, input)| Options {
+        strategy: if separate { super::Strategy::Separate } else { super::Strategy::Subpasses },
+        recycle,
+        output_is_input_attachment: input,
+        ..Options::default()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_stage_finds_what_it_needs_and_nothing_is_superfluous(frame in frames(), options in options()) {
+        let places = derive::place(&frame, &options);
+        let passes = derive::passes(&frame, &places, &options);
+        prop_assert_eq!(interpret(&frame, &places, &passes), Ok(()));
+        prop_assert_eq!(check_dependencies(&frame, &places, &passes), Ok(()));
+
+        for (p, pass) in passes.iter().enumerate() {
+            for (a, attachment) in pass.attachments.iter().enumerate() {
+                let mut broken = passes.clone();
+                if attachment.load != Load::DontCare {
+                    broken[p].attachments[a].load = Load::DontCare;
+                    prop_assert!(interpret(&frame, &places, &broken).is_err(), "superfluous {:?}", attachment.load);
+                }
+                broken = passes.clone();
+                if attachment.store == Store::Store {
+                    broken[p].attachments[a].store = Store::DontCare;
+                    prop_assert!(interpret(&frame, &places, &broken).is_err(), "superfluous store");
+                }
+            }
+            for d in (0..pass.dependencies.len()).filter(|&d| pass.dependencies[d].by_region) {
+                let mut broken = passes.clone();
+                broken[p].dependencies.remove(d);
+                prop_assert!(check_dependencies(&frame, &places, &broken).is_err(), "superfluous dependency");
+            }
+        }
+    }
+
+    #[test]
+    fn recycling_saves_attachments_and_never_adds_traffic(frame in frames(), options in options()) {
+        let count = |recycle| {
+            let options = Options { recycle, ..options.clone() };
+            let places = derive::place(&frame, &options);
+            let passes = derive::passes(&frame, &places, &options);
+            let moved = passes.iter().flat_map(|p| &p.attachments);
+            let moved = moved.filter(|a| a.load == Load::Load).count()
+                + passes.iter().flat_map(|p| &p.attachments).filter(|a| a.store == Store::Store).count();
+            (places.len(), moved)
+        };
+        let [(with, moved_with), (without, moved_without)] = [count(true), count(false)];
+        prop_assert!(with <= without);
+        prop_assert_eq!(without, frame.resources.len());
+        prop_assert_eq!(moved_with, moved_without);
+    }
+
+    #[test]
+    fn one_pass_touches_memory_only_for_what_is_kept(frame in frames(), mut options in options()) {
+        options.strategy = super::Strategy::Subpasses;
+        let places = derive::place(&frame, &options);
+        let passes = derive::passes(&frame, &places, &options);
+        prop_assert_eq!(passes.len(), 1);
+        let kept = frame.resources.iter().filter(|r| r.kept).count();
+        prop_assert!(passes[0].attachments.iter().all(|a| a.load != Load::Load));
+        prop_assert_eq!(passes[0].attachments.iter().filter(|a| a.store == Store::Store).count(), kept);
+        for (index, attachment) in derive::attachments(&frame, &places, &passes, &options).iter().enumerate() {
+            let stored = passes[0].attachments.iter().any(|a| a.attachment == index && a.store == Store::Store);
+            prop_assert_eq!(attachment.transient, !stored);
+        }
+    }
+}
