@@ -2,63 +2,39 @@
 
 use ash::vk;
 
-use super::{Device, conv};
-use crate::plan::{Pass, Plan};
-use crate::{Error, Result};
+use super::{Device, Owned, conv};
+use crate::Result;
+use crate::plan::{Dependency, Pass, Plan, Subpass};
 
-/// A `VkRenderPass` and its owner.
-pub struct RenderPass {
-    device: Device,
-    raw: vk::RenderPass,
-}
-
-impl RenderPass {
-    /// Creates what the plan says, nothing more.
-    ///
-    /// # Errors
-    /// [`Error::Vulkan`].
-    pub fn new(device: &Device, plan: &Plan, pass: &Pass) -> Result<Self> {
-        let attachments: Vec<_> = pass
-            .attachments
-            .iter()
-            .map(|a| {
-                vk::AttachmentDescription::default()
-                    .format(conv::format(plan.attachments[a.attachment].format))
-                    .samples(vk::SampleCountFlags::TYPE_1)
-                    .load_op(conv::load_op(a.load))
-                    .store_op(conv::store_op(a.store))
-                    .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
-                    .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
-                    .initial_layout(conv::layout(a.initial))
-                    .final_layout(conv::layout(a.last))
-            })
-            .collect();
-        let references: Vec<_> = pass.subpasses.iter().map(References::new).collect();
-        let subpasses: Vec<_> = references.iter().map(References::description).collect();
-        let dependencies: Vec<_> = pass.dependencies.iter().map(dependency).collect();
-        let info = vk::RenderPassCreateInfo::default()
-            .attachments(&attachments)
-            .subpasses(&subpasses)
-            .dependencies(&dependencies);
-        // SAFETY: every array outlives the call; indices are positions in `pass.attachments` by the plan.
-        let raw = unsafe { device.raw().create_render_pass(&info, device.callbacks()) }
-            .map_err(|result| Error::Vulkan { call: "vkCreateRenderPass", result })?;
-        let pass_owner = Self { device: device.clone(), raw };
-        device.set_name(raw, &pass.name);
-        Ok(pass_owner)
-    }
-
-    /// The handle, valid as long as this object.
-    pub fn raw(&self) -> vk::RenderPass {
-        self.raw
-    }
-}
-
-impl Drop for RenderPass {
-    fn drop(&mut self) {
-        // SAFETY: created by this device; the renderer's contract says that no frame is in flight when it drops.
-        unsafe { self.device.raw().destroy_render_pass(self.raw, self.device.callbacks()) };
-    }
+/// Creates what the plan says, nothing more.
+///
+/// # Errors
+/// [`crate::Error::Vulkan`].
+pub fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<Owned<vk::RenderPass>> {
+    let attachments: Vec<_> = pass
+        .attachments
+        .iter()
+        .map(|a| {
+            vk::AttachmentDescription::default()
+                .format(conv::format(plan.attachments[a.attachment].format))
+                .samples(vk::SampleCountFlags::TYPE_1)
+                .load_op(conv::load_op(a.load))
+                .store_op(conv::store_op(a.store))
+                .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
+                .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
+                .initial_layout(conv::layout(a.initial))
+                .final_layout(conv::layout(a.last))
+        })
+        .collect();
+    let references: Vec<_> = pass.subpasses.iter().map(References::new).collect();
+    let subpasses: Vec<_> = references.iter().map(References::description).collect();
+    let dependencies: Vec<_> = pass.dependencies.iter().map(dependency).collect();
+    let info = vk::RenderPassCreateInfo::default()
+        .attachments(&attachments)
+        .subpasses(&subpasses)
+        .dependencies(&dependencies);
+    // SAFETY: every array outlives the call; indices are positions in `pass.attachments` by the plan.
+    unsafe { device.create_render_pass(&info, &pass.name) }
 }
 
 /// Attachment references of one subpass, kept alive while Vulkan reads them.
@@ -70,20 +46,15 @@ struct References {
 }
 
 impl References {
-    fn new(subpass: &crate::plan::Subpass) -> Self {
-        let refer = |list: &[usize], layout| -> Vec<_> {
-            list.iter()
-                .map(|&i| vk::AttachmentReference::default().attachment(i as u32).layout(layout))
-                .collect()
-        };
+    fn new(subpass: &Subpass) -> Self {
+        let reference = |&i: &usize, layout| vk::AttachmentReference { attachment: i as u32, layout };
+        let color = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+        let input = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
+        let depth = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
         Self {
-            colors: refer(&subpass.colors, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL),
-            inputs: refer(&subpass.inputs, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL),
-            depth: subpass.depth.map(|i| {
-                vk::AttachmentReference::default()
-                    .attachment(i as u32)
-                    .layout(vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL)
-            }),
+            colors: subpass.colors.iter().map(|i| reference(i, color)).collect(),
+            inputs: subpass.inputs.iter().map(|i| reference(i, input)).collect(),
+            depth: subpass.depth.as_ref().map(|i| reference(i, depth)),
             preserve: subpass.preserve.iter().map(|&i| i as u32).collect(),
         }
     }
@@ -101,7 +72,7 @@ impl References {
     }
 }
 
-fn dependency(d: &crate::plan::Dependency) -> vk::SubpassDependency {
+fn dependency(d: &Dependency) -> vk::SubpassDependency {
     let end = |s: Option<usize>| s.map_or(vk::SUBPASS_EXTERNAL, |s| s as u32);
     let (src_stages, src_access) = conv::scope(&d.before);
     let (dst_stages, dst_access) = conv::scope(&d.after);
