@@ -1,0 +1,3 @@
+// Written by tools/shaders.
+embed![
+]
