@@ -1,0 +1,71 @@
+// What a material says at a fragment. Which textures exist, and where, are specialisation constants: a pipeline
+// samples what its material has and carries as many descriptors.
+
+layout(constant_id = ID_ALPHA_MASK) const bool ALPHA_MASK = false;
+layout(constant_id = ID_VERTEX_COLOR) const bool VERTEX_COLOR = false;
+
+// Mirrors MaterialData in src/gpu/shared.rs.
+struct Material {
+    vec4 base_color_factor;
+    vec4 emissive_factor_alpha_cutoff;
+    float metallic_factor;
+    float roughness_factor;
+    float normal_scale;
+    float occlusion_strength;
+    vec4 uv_rows[KIND_COUNT][2]; // uv = (dot(row 0, (s, t, 1)), dot(row 1, (s, t, 1)))
+};
+
+layout(set = SET_FRAME, binding = BINDING_MATERIALS, std430) readonly buffer Materials {
+    Material materials[];
+};
+
+layout(location = VARYING_MATERIAL) flat in uint varying_material;
+layout(location = VARYING_COLOR) in vec4 varying_color;
+
+// Not a local copy: a fragment loads the members that it uses.
+#define MATERIAL materials[varying_material]
+
+#ifdef TEXTURED
+
+layout(constant_id = ID_TEXTURE_COUNT) const uint TEXTURE_COUNT = 1;
+layout(constant_id = ID_SLOT_BASE_COLOR) const int SLOT_BASE_COLOR = -1;
+layout(constant_id = ID_SLOT_METALLIC_ROUGHNESS) const int SLOT_METALLIC_ROUGHNESS = -1;
+layout(constant_id = ID_SLOT_NORMAL) const int SLOT_NORMAL = -1;
+layout(constant_id = ID_SLOT_OCCLUSION) const int SLOT_OCCLUSION = -1;
+layout(constant_id = ID_SLOT_EMISSIVE) const int SLOT_EMISSIVE = -1;
+layout(constant_id = ID_TEXCOORD_BITS) const uint TEXCOORD_BITS = 0;
+layout(constant_id = ID_TRANSFORM_BITS) const uint TRANSFORM_BITS = 0;
+
+layout(set = SET_MATERIAL, binding = BINDING_TEXTURES) uniform sampler2D material_textures[TEXTURE_COUNT];
+layout(location = VARYING_TEXCOORD) in vec4 varying_texcoord; // xy TEXCOORD_0, zw TEXCOORD_1
+
+vec2 material_uv(int kind) {
+    vec2 uv = (TEXCOORD_BITS >> kind & 1u) != 0u ? varying_texcoord.zw : varying_texcoord.xy;
+    if ((TRANSFORM_BITS >> kind & 1u) != 0u) {
+        vec3 h = vec3(uv, 1.0);
+        uv = vec2(dot(MATERIAL.uv_rows[kind][0].xyz, h), dot(MATERIAL.uv_rows[kind][1].xyz, h));
+    }
+    return uv;
+}
+
+// A macro, so that the array index is a constant expression: no device feature for dynamic indexing is needed.
+// Samples come before any discard, where derivatives are still defined.
+#define MATERIAL_SAMPLE(NAME, ABSENT) \
+    (SLOT_##NAME < 0 ? (ABSENT) : texture(material_textures[SLOT_##NAME < 0 ? 0 : SLOT_##NAME], material_uv(KIND_##NAME)))
+
+#else
+
+#define MATERIAL_SAMPLE(NAME, ABSENT) (ABSENT)
+
+#endif
+
+// Linear Rec.709 and alpha: factor * texture * vertex colour (glTF 2.0, 3.9.2).
+vec4 material_base_color() {
+    vec4 color = MATERIAL.base_color_factor * MATERIAL_SAMPLE(BASE_COLOR, vec4(1.0));
+    return VERTEX_COLOR ? color * varying_color : color;
+}
+
+// True where an alpha mask cuts the surface away (3.9.4).
+bool material_is_cut(float alpha) {
+    return ALPHA_MASK && alpha < MATERIAL.emissive_factor_alpha_cutoff.w;
+}

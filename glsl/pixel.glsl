@@ -1,0 +1,26 @@
+// Where a fragment is, in world space.
+
+// A point of the view plane, relative to the axis, for this pixel's centre.
+vec3 view_plane_offset_world() {
+    vec2 ndc = gl_FragCoord.xy * (2.0 * frame.inverse_size) - 1.0;
+    return frame.right_world.xyz * ndc.x + frame.down_world.xyz * ndc.y;
+}
+
+// From the camera through this pixel, per metre along the view axis.
+vec3 ray_world() {
+    return frame.forward_world.xyz + view_plane_offset_world() * frame.camera_position_world.w;
+}
+
+// From the surface towards the viewer, unit length.
+vec3 view_direction_world() {
+    return -normalize(ray_world());
+}
+
+// Where this pixel's surface is: the projection's third row inverted, so that no matrix is needed.
+vec3 position_world(float depth) {
+    vec4 d = frame.distance_from_depth;
+    float distance = (d.x + d.y * depth) / (d.z + d.w * depth);
+    vec3 origin = frame.camera_position_world.xyz
+        + view_plane_offset_world() * (1.0 - frame.camera_position_world.w);
+    return origin + ray_world() * distance;
+}

@@ -1,0 +1,77 @@
+// Numbers that GLSL and Rust share: each line is `#define NAME NUMBER`, read by the compiler and by
+// src/gpu/shader. A name is `<what>_<which>`.
+
+// Descriptor sets. Sets 1 have different layouts in geometry (materials) and in later subpasses (inputs).
+#define SET_FRAME 0
+#define SET_MATERIAL 1
+#define SET_INPUTS 1
+
+// Bindings of SET_FRAME and SET_MATERIAL.
+#define BINDING_FRAME 0
+#define BINDING_INSTANCES 1
+#define BINDING_MATERIALS 2
+#define BINDING_LIGHTS 3
+#define BINDING_TEXTURES 0
+
+// Input attachment indices; the binding in SET_INPUTS is the same number.
+#define INPUT_DEPTH 0
+#define INPUT_NORMAL_ROUGHNESS 1
+#define INPUT_BASE_COLOR_METALLIC 2
+#define INPUT_LIGHT 0
+
+// Vertex attribute locations.
+#define ATTRIBUTE_POSITION 0
+#define ATTRIBUTE_NORMAL 1
+#define ATTRIBUTE_TEXCOORD 2
+#define ATTRIBUTE_TANGENT 3
+#define ATTRIBUTE_COLOR 4
+
+// Locations between vertex and fragment stages.
+#define VARYING_NORMAL 0
+#define VARYING_TEXCOORD 1
+#define VARYING_TANGENT 2
+#define VARYING_COLOR 3
+#define VARYING_MATERIAL 4
+
+// Colour output locations: of geometry, and of the subpasses with one output.
+#define TARGET_DEPTH 0
+#define TARGET_NORMAL_ROUGHNESS 1
+#define TARGET_BASE_COLOR_METALLIC 2
+#define TARGET_LIGHT 3
+#define TARGET_OUTPUT 0
+
+// Specialisation constant ids.
+#define ID_TEXTURE_COUNT 0
+#define ID_SLOT_BASE_COLOR 1
+#define ID_SLOT_METALLIC_ROUGHNESS 2
+#define ID_SLOT_NORMAL 3
+#define ID_SLOT_OCCLUSION 4
+#define ID_SLOT_EMISSIVE 5
+#define ID_TEXCOORD_BITS 6
+#define ID_TRANSFORM_BITS 7
+#define ID_ALPHA_MASK 8
+#define ID_DOUBLE_SIDED 9
+#define ID_UNLIT 10
+#define ID_VERTEX_COLOR 11
+#define ID_EMISSIVE 12
+#define ID_AMBIENT 13
+#define ID_HAS_DIRECTIONAL 14
+#define ID_HAS_POINT 15
+#define ID_HAS_SPOT 16
+#define ID_FOLD 17
+#define ID_TONEMAP 18
+#define ID_DITHER 19
+
+// Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
+#define KIND_BASE_COLOR 0
+#define KIND_METALLIC_ROUGHNESS 1
+#define KIND_NORMAL 2
+#define KIND_OCCLUSION 3
+#define KIND_EMISSIVE 4
+#define KIND_COUNT 5
+
+// Values of the constant TONEMAP.
+#define TONEMAP_NEUTRAL 0
+#define TONEMAP_ACES 1
+#define TONEMAP_REINHARD 2
+#define TONEMAP_LINEAR 3

@@ -1,0 +1,17 @@
+#version 450
+// Geometry of a scene in which nothing is lit: straight to the output.
+#extension GL_GOOGLE_include_directive : require
+#include "common.glsl"
+#include "frame.glsl"
+#include "material.glsl"
+#include "tonemap.glsl"
+
+layout(location = TARGET_OUTPUT) out vec4 target_output;
+
+void main() {
+    vec4 base_color = material_base_color();
+    if (material_is_cut(base_color.a)) {
+        discard;
+    }
+    target_output = output_color(base_color.rgb * frame.exposure);
+}

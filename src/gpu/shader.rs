@@ -1,0 +1,237 @@
+//! Shader modules: which exist, what they are compiled from, and their SPIR-V.
+//!
+//! [`Module::all`] is the one list. `tools/shaders` compiles it into `glsl/spirv/`, this module embeds the result,
+//! and a test compares the two.
+
+mod specialization;
+
+pub use specialization::{
+    GeometryConstants, LightingConstants, OutputConstants, Specialization, TextureSlot,
+};
+
+use crate::plan::Layout;
+use crate::{Error, Result};
+
+/// The number that `glsl/shared.h` defines for `name`; call it in a `const`, so that a missing name does not compile.
+///
+/// # Panics
+/// If the header has no line `#define name NUMBER`.
+pub const fn shared(name: &str) -> u32 {
+    let (text, name) = (include_str!("../../glsl/shared.h").as_bytes(), name.as_bytes());
+    let mut line = 0;
+    while line < text.len() {
+        if let Some(at) = skip(text, line, b"#define ")
+            && let Some(at) = skip(text, at, name)
+            && let Some(mut at) = skip(text, at, b" ")
+        {
+            let mut number = 0;
+            assert!(at < text.len() && text[at].is_ascii_digit(), "shared.h: not a number");
+            while at < text.len() && text[at].is_ascii_digit() {
+                number = number * 10 + (text[at] - b'0') as u32;
+                at += 1;
+            }
+            return number;
+        }
+        while line < text.len() && text[line] != b'\n' {
+            line += 1;
+        }
+        line += 1;
+    }
+    panic!("shared.h does not define this name")
+}
+
+/// Where `text` goes on after `prefix` at `at`.
+const fn skip(text: &[u8], at: usize, prefix: &[u8]) -> Option<usize> {
+    let mut i = 0;
+    while i < prefix.len() {
+        if at + i >= text.len() || text[at + i] != prefix[i] {
+            return None;
+        }
+        i += 1;
+    }
+    Some(at + i)
+}
+
+/// How many kinds of texture a material can have; their order is that of `KIND_*` in `glsl/shared.h`.
+pub const KIND_COUNT: usize = shared("KIND_COUNT") as usize;
+
+/// A pipeline stage that has shader modules.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Vertex shader.
+    Vertex,
+    /// Fragment shader.
+    Fragment,
+}
+
+/// A shader module, by what sets it apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Module {
+    /// Places a mesh that has these attributes besides positions. A tangent needs a normal and a texcoord.
+    GeometryVertex {
+        /// Normals.
+        normal: bool,
+        /// One or two texture coordinates.
+        texcoord: bool,
+        /// Tangents.
+        tangent: bool,
+        /// Vertex colours.
+        color: bool,
+    },
+    /// Writes the G-buffer.
+    GeometryFragment {
+        /// How the G-buffer is laid out.
+        layout: Layout,
+        /// Whether the light target is written too.
+        light_target: bool,
+        /// Whether the material has any texture.
+        textured: bool,
+    },
+    /// Writes the output directly, where nothing is lit.
+    Unlit {
+        /// Whether the material has any texture.
+        textured: bool,
+    },
+    /// Shades the G-buffer by punctual lights.
+    Lighting {
+        /// How the G-buffer is laid out.
+        layout: Layout,
+    },
+    /// Turns the light target into the output.
+    Tonemap,
+    /// One triangle over the whole image.
+    Fullscreen,
+}
+
+impl Module {
+    /// Every module that exists.
+    pub fn all() -> Vec<Self> {
+        let mut all = Vec::new();
+        for attributes in 0..16 {
+            let has = |bit: u32| attributes >> bit & 1 == 1;
+            let (normal, texcoord, tangent, color) = (has(0), has(1), has(2), has(3));
+            if !tangent || (normal && texcoord) {
+                all.push(Self::GeometryVertex { normal, texcoord, tangent, color });
+            }
+        }
+        for &layout in Layout::ALL {
+            for (light_target, textured) in [(false, false), (false, true), (true, false), (true, true)] {
+                all.push(Self::GeometryFragment { layout, light_target, textured });
+            }
+            all.push(Self::Lighting { layout });
+        }
+        all.extend([false, true].map(|textured| Self::Unlit { textured }));
+        all.extend([Self::Tonemap, Self::Fullscreen]);
+        all
+    }
+
+    /// A name that no other module has: that of its SPIR-V file, without `.spv`.
+    pub fn name(self) -> String {
+        let suffix = |has: bool, text: &'static str| if has { text } else { "" };
+        match self {
+            Self::GeometryVertex { normal: false, texcoord: false, tangent: false, color: false } => {
+                "geometry_p.vert".into()
+            }
+            Self::GeometryVertex { normal, texcoord, tangent, color } => format!(
+                "geometry_{}{}{}{}.vert",
+                suffix(normal, "n"),
+                suffix(texcoord, "u"),
+                suffix(tangent, "t"),
+                suffix(color, "c"),
+            ),
+            Self::GeometryFragment { layout, light_target, textured } => format!(
+                "geometry_{layout}{}{}.frag",
+                suffix(light_target, "_light"),
+                suffix(textured, "_textured"),
+            ),
+            Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
+            Self::Lighting { layout } => format!("lighting_{layout}.frag"),
+            Self::Tonemap => "tonemap.frag".into(),
+            Self::Fullscreen => "fullscreen.vert".into(),
+        }
+    }
+
+    /// The GLSL file that it is compiled from, relative to `glsl/`.
+    pub fn source(self) -> &'static str {
+        match self {
+            Self::GeometryVertex { .. } => "geometry.vert",
+            Self::GeometryFragment { .. } => "geometry.frag",
+            Self::Unlit { .. } => "unlit.frag",
+            Self::Lighting { .. } => "lighting.frag",
+            Self::Tonemap => "tonemap.frag",
+            Self::Fullscreen => "fullscreen.vert",
+        }
+    }
+
+    /// The stage that it is for.
+    pub fn stage(self) -> Stage {
+        match self {
+            Self::GeometryVertex { .. } | Self::Fullscreen => Stage::Vertex,
+            Self::GeometryFragment { .. } | Self::Unlit { .. } | Self::Lighting { .. } | Self::Tonemap => {
+                Stage::Fragment
+            }
+        }
+    }
+
+    /// The macros that are defined when it is compiled.
+    pub fn defines(self) -> Vec<&'static str> {
+        let layout_define = |layout| match layout {
+            Layout::Metallic128 => "LAYOUT_METALLIC128",
+            Layout::Exact => "LAYOUT_EXACT",
+        };
+        let chosen = |defines: &[(bool, &'static str)]| {
+            defines.iter().filter(|(wanted, _)| *wanted).map(|(_, define)| *define).collect()
+        };
+        match self {
+            Self::GeometryVertex { normal, texcoord, tangent, color } => chosen(&[
+                (normal, "HAS_NORMAL"),
+                (texcoord, "HAS_TEXCOORD"),
+                (tangent, "HAS_TANGENT"),
+                (color, "HAS_COLOR"),
+            ]),
+            Self::GeometryFragment { layout, light_target, textured } => chosen(&[
+                (true, layout_define(layout)),
+                (light_target, "LIGHT_TARGET"),
+                (textured, "TEXTURED"),
+            ]),
+            Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Lighting { layout } => vec![layout_define(layout)],
+            Self::Tonemap | Self::Fullscreen => Vec::new(),
+        }
+    }
+
+    /// The compiled module; its entry point is `main`.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a key that [`Self::all`] does not list, and for a module that was not compiled.
+    pub fn spirv(self) -> Result<&'static [u32]> {
+        let name = self.name();
+        let (_, module) = EMBEDDED.iter().find(|(embedded, _)| *embedded == name).ok_or_else(|| {
+            Error::unsupported(
+                format!("there is no shader module '{name}'"),
+                "add it to Module::all and run ./tools/shaders",
+            )
+        })?;
+        Ok(bytemuck::cast_slice(&module.0))
+    }
+}
+
+/// The names of the modules that this build embeds.
+pub fn embedded_names() -> impl Iterator<Item = &'static str> {
+    EMBEDDED.iter().map(|(name, _)| *name)
+}
+
+/// Bytes where words may stand.
+#[repr(C, align(4))]
+struct Aligned<B: ?Sized>(B);
+
+macro_rules! embed {
+    ($($name:literal),* $(,)?) => {
+        &[$((
+            $name,
+            &Aligned(*include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/glsl/spirv/", $name, ".spv"))),
+        )),*]
+    };
+}
+
+static EMBEDDED: &[(&str, &Aligned<[u8]>)] = include!("../../glsl/spirv/modules.rs");

@@ -1,0 +1,154 @@
+//! Specialisation constants: what a pipeline knows when it is compiled.
+
+use super::{KIND_COUNT, shared};
+use crate::plan::Tonemap;
+
+/// Values for specialisation constants: `data[i]` is that of constant `ids[i]`.
+///
+/// Every constant is 32 bits wide (a bool is 0 or 1), so the i-th begins at byte `4 * i` of `data`. Ids that a
+/// module does not have are without effect.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Specialization {
+    /// Constant ids.
+    pub ids: Vec<u32>,
+    /// Values; signed ones in two's complement.
+    pub data: Vec<u32>,
+}
+
+impl Specialization {
+    /// Both sets of constants.
+    pub fn and(mut self, other: Self) -> Self {
+        self.ids.extend(other.ids);
+        self.data.extend(other.data);
+        self
+    }
+
+    fn from_pairs(pairs: &[(u32, u32)]) -> Self {
+        Self {
+            ids: pairs.iter().map(|(id, _)| *id).collect(),
+            data: pairs.iter().map(|(_, value)| *value).collect(),
+        }
+    }
+}
+
+/// How a material samples one kind of texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TextureSlot {
+    /// Index into the material's descriptors.
+    pub slot: u32,
+    /// Whether TEXCOORD_1 is used instead of TEXCOORD_0.
+    pub second_texcoord: bool,
+    /// Whether the texture coordinate is transformed.
+    pub transformed: bool,
+}
+
+/// Constants of [`super::Module::GeometryFragment`] and [`super::Module::Unlit`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct GeometryConstants {
+    /// Base colour, metallic-roughness, normal, occlusion, emissive: those that the material has.
+    pub textures: [Option<TextureSlot>; KIND_COUNT],
+    /// Fragments below the alpha cutoff are discarded.
+    pub alpha_mask: bool,
+    /// The normals of back faces are reversed.
+    pub double_sided: bool,
+    /// The base colour is the light; nothing is left to be lit.
+    pub unlit: bool,
+    /// The base colour is multiplied by the vertex colour.
+    pub vertex_color: bool,
+    /// The surface emits light.
+    pub emissive: bool,
+    /// The scene has ambient light.
+    pub ambient: bool,
+}
+
+impl GeometryConstants {
+    /// The number of descriptors: one more than the highest slot, at least 1 (what the array is declared with where
+    /// a module has one).
+    pub fn texture_count(&self) -> u32 {
+        self.textures.iter().flatten().map(|t| t.slot + 1).max().unwrap_or(1)
+    }
+
+    /// As ids and values.
+    pub fn specialization(&self) -> Specialization {
+        let bits = |wanted: fn(&TextureSlot) -> bool| {
+            (0..KIND_COUNT)
+                .filter(|&kind| self.textures[kind].as_ref().is_some_and(wanted))
+                .fold(0, |bits, kind| bits | 1 << kind)
+        };
+        let slot = |kind: u32| self.textures[kind as usize].map_or(-1_i32 as u32, |t| t.slot);
+        Specialization::from_pairs(&[
+            (const { shared("ID_TEXTURE_COUNT") }, self.texture_count()),
+            (const { shared("ID_SLOT_BASE_COLOR") }, slot(const { shared("KIND_BASE_COLOR") })),
+            (
+                const { shared("ID_SLOT_METALLIC_ROUGHNESS") },
+                slot(const { shared("KIND_METALLIC_ROUGHNESS") }),
+            ),
+            (const { shared("ID_SLOT_NORMAL") }, slot(const { shared("KIND_NORMAL") })),
+            (const { shared("ID_SLOT_OCCLUSION") }, slot(const { shared("KIND_OCCLUSION") })),
+            (const { shared("ID_SLOT_EMISSIVE") }, slot(const { shared("KIND_EMISSIVE") })),
+            (const { shared("ID_TEXCOORD_BITS") }, bits(|t| t.second_texcoord)),
+            (const { shared("ID_TRANSFORM_BITS") }, bits(|t| t.transformed)),
+            (const { shared("ID_ALPHA_MASK") }, self.alpha_mask.into()),
+            (const { shared("ID_DOUBLE_SIDED") }, self.double_sided.into()),
+            (const { shared("ID_UNLIT") }, self.unlit.into()),
+            (const { shared("ID_VERTEX_COLOR") }, self.vertex_color.into()),
+            (const { shared("ID_EMISSIVE") }, self.emissive.into()),
+            (const { shared("ID_AMBIENT") }, self.ambient.into()),
+        ])
+    }
+}
+
+/// Constants of [`super::Module::Lighting`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct LightingConstants {
+    /// The scene has directional lights.
+    pub has_directional: bool,
+    /// The scene has point lights.
+    pub has_point: bool,
+    /// The scene has spot lights.
+    pub has_spot: bool,
+    /// Lighting writes the output itself, like this; `None` adds to the light target.
+    pub fold: Option<OutputConstants>,
+}
+
+impl LightingConstants {
+    /// As ids and values.
+    pub fn specialization(&self) -> Specialization {
+        let lights = Specialization::from_pairs(&[
+            (const { shared("ID_HAS_DIRECTIONAL") }, self.has_directional.into()),
+            (const { shared("ID_HAS_POINT") }, self.has_point.into()),
+            (const { shared("ID_HAS_SPOT") }, self.has_spot.into()),
+            (const { shared("ID_FOLD") }, self.fold.is_some().into()),
+        ]);
+        match self.fold {
+            Some(output) => lights.and(output.specialization()),
+            None => lights,
+        }
+    }
+}
+
+/// Constants of the modules that write the output: [`super::Module::Tonemap`], [`super::Module::Unlit`] and folded
+/// [`super::Module::Lighting`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct OutputConstants {
+    /// Tone curve.
+    pub tonemap: Tonemap,
+    /// Ordered noise of half an 8-bit sRGB step either way; it also clamps to [0, 1], so it is for such outputs only.
+    pub dither: bool,
+}
+
+impl OutputConstants {
+    /// As ids and values.
+    pub fn specialization(&self) -> Specialization {
+        let tonemap = match self.tonemap {
+            Tonemap::Neutral => const { shared("TONEMAP_NEUTRAL") },
+            Tonemap::Aces => const { shared("TONEMAP_ACES") },
+            Tonemap::Reinhard => const { shared("TONEMAP_REINHARD") },
+            Tonemap::Linear => const { shared("TONEMAP_LINEAR") },
+        };
+        Specialization::from_pairs(&[
+            (const { shared("ID_TONEMAP") }, tonemap),
+            (const { shared("ID_DITHER") }, self.dither.into()),
+        ])
+    }
+}

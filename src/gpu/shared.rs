@@ -1,0 +1,85 @@
+//! What buffers hold, as GLSL declares it. A test compares every offset with the compiled SPIR-V.
+//!
+//! World space is right-handed, +Y up, in metres; colours are linear Rec.709.
+
+use bytemuck::{Pod, Zeroable};
+
+/// What one frame has once: `Frame` in `glsl/frame.glsl`, std140.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct FrameUniforms {
+    /// Column-major; Vulkan clip space, y down, reversed depth.
+    pub clip_from_world: [[f32; 4]; 4],
+    /// xyz the camera's place, w 1 for a perspective and 0 for an orthographic projection.
+    pub camera_position_world: [f32; 4],
+    /// The way of NDC +x, as long as half the image is wide: at distance 1 (perspective) or in metres
+    /// (orthographic). w unused.
+    pub right_world: [f32; 4],
+    /// The way of NDC +y, as long as half the image is high, likewise. w unused.
+    pub down_world: [f32; 4],
+    /// The way the camera looks, unit length. w unused.
+    pub forward_world: [f32; 4],
+    /// `[p, q, r, s]` of [`crate::scene::Projection::distance_from_depth`].
+    pub distance_from_depth: [f32; 4],
+    /// 1 / width and 1 / height, per pixel.
+    pub inverse_size: [f32; 2],
+    /// Multiplies light: 2^EV.
+    pub exposure: f32,
+    /// The light target holds exposed light times this; 1 for float targets.
+    pub light_scale: f32,
+    /// Radiance from every direction, cd/m². w unused.
+    pub ambient_nt: [f32; 4],
+    /// How many directional, point and spot lights there are; lights are sorted in this order. The last is unused.
+    pub light_counts: [u32; 4],
+}
+
+/// A placement of a mesh, indexed by the instance index: `Instance` in `glsl/geometry.vert`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct InstanceData {
+    /// The first three rows of the affine transform: `world[i] = dot(rows[i], (object, 1))`.
+    pub world_from_object_rows: [[f32; 4]; 3],
+    /// Index into the array of [`MaterialData`].
+    pub material: u32,
+    /// Makes 64 bytes.
+    pub pad: [u32; 3],
+}
+
+/// A material's numbers: `Material` in `glsl/material.glsl`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct MaterialData {
+    /// Colour and alpha; multiplies texture and vertex colour.
+    pub base_color_factor: [f32; 4],
+    /// xyz emitted light in cd/m², w the alpha below which a mask cuts.
+    pub emissive_factor_alpha_cutoff: [f32; 4],
+    /// 0 dielectric to 1 metal.
+    pub metallic_factor: f32,
+    /// Perceptual roughness, 0 to 1.
+    pub roughness_factor: f32,
+    /// Multiplies x and y of sampled normals.
+    pub normal_scale: f32,
+    /// 0 ignores sampled occlusion, 1 applies it fully.
+    pub occlusion_strength: f32,
+    /// Per kind of texture (base colour, metallic-roughness, normal, occlusion, emissive) the two rows of
+    /// [`crate::scene::TextureRef::uv_from_texcoord`]; the fourth component is unused.
+    pub uv_rows: [[[f32; 4]; 2]; super::shader::KIND_COUNT],
+}
+
+/// A punctual light: `Light` in `glsl/light/punctual.glsl`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightData {
+    /// Metres; unused by directional lights.
+    pub position_world: [f32; 3],
+    /// 1 / metres; 0 reaches everywhere.
+    pub inverse_range: f32,
+    /// Colour times candela, or times lux for directional lights.
+    pub intensity: [f32; 3],
+    /// `1 / max(0.001, cos(inner) - cos(outer))` of the cone's half angles (KHR_lights_punctual).
+    pub spot_scale: f32,
+    /// The way the light travels, unit length; unused by point lights.
+    pub direction_world: [f32; 3],
+    /// `-cos(outer) * spot_scale`.
+    pub spot_offset: f32,
+}
