@@ -3,6 +3,7 @@
 #![deny(missing_docs)]
 
 mod error;
+pub mod gpu;
 pub mod measure;
 pub mod plan;
 pub mod reference;
