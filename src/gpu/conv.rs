@@ -18,11 +18,6 @@ pub const fn format(f: Format) -> vk::Format {
     }
 }
 
-/// The aspect that views and barriers name.
-pub const fn aspect(f: Format) -> vk::ImageAspectFlags {
-    if f.is_depth() { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR }
-}
-
 /// The image layout.
 pub const fn layout(s: State) -> vk::ImageLayout {
     match s {

@@ -1,4 +1,77 @@
-//! The plan made of Vulkan objects, and the frame recorded with them.
+//! Vulkan, and the only `unsafe` code of the crate.
+//!
+//! Ownership follows four rules:
+//!
+//! - Every handle lives in a drop owner ([`Owned`], [`Buffer`], [`Image`], ...) from the statement after its creation,
+//!   before anything else can fail, so `?` never leaks. An owner keeps a [`Device`] clone: the device outlives
+//!   everything made from it.
+//! - Fields are declared in the order in which they must be destroyed (a buffer before its memory).
+//! - Owners know nothing about the GPU's progress. Whoever submits keeps them alive until the work has
+//!   finished; [`Commands`] waits on its own.
+//! - What a host passes in through [`HostDevice`] stays the host's: it is used and never destroyed.
+//!
+//! Memory comes from one place ([`Memory`](memory::Memory)) and every object is counted, so [`Device::live`] tells
+//! at any time what exists. Commands are recorded through a [`Recorder`], which stands for a command buffer in the
+//! recording state, a host's or our own. Nothing here waits for the GPU except [`Commands`].
 
+mod buffer;
+mod cache;
+mod caps;
+mod command;
+mod conv;
+mod convert;
+mod descriptor;
+mod device;
+mod geometry;
+mod headless;
+mod image;
+mod info;
+mod memory;
+mod owned;
+mod pass;
+mod pipeline;
+mod query;
+mod readback;
+mod renderer;
+mod scene_data;
 pub mod shader;
 pub mod shared;
+mod target;
+mod texture;
+mod upload;
+mod validation;
+mod view;
+
+pub use buffer::{Buffer, BufferDesc};
+pub use cache::PipelineCache;
+pub use caps::{Caps, DeviceType, MemoryType};
+pub use command::{Commands, Label, Recorder};
+pub use device::{Device, Features, HostDevice};
+pub use geometry::{Geometry, IndexWidth, MeshRange, StreamGroup, StreamKind, Streams};
+pub use headless::{Headless, HeadlessOptions};
+pub use image::{Image, ImageDesc};
+pub use info::devices;
+pub use memory::MemoryUse;
+pub use owned::{Live, Object, Owned};
+pub use query::{PipelineStatistics, Queries, QueryResults};
+pub use readback::{Readback, texel_bytes};
+pub use renderer::{Recorded, Renderer, RendererConfig};
+pub use target::{OutputImage, Target};
+pub use texture::{ColorEncoding, SamplerCache, TextureKey, Textures};
+pub use upload::Upload;
+pub use view::View;
+
+use crate::{Error, Result};
+use ash::vk;
+
+/// Names the Vulkan call in the error of a failed one.
+pub(crate) trait Called<T> {
+    /// [`Error::Vulkan`] with the function's name.
+    fn called(self, call: &'static str) -> Result<T>;
+}
+
+impl<T> Called<T> for Result<T, vk::Result> {
+    fn called(self, call: &'static str) -> Result<T> {
+        self.map_err(|result| Error::Vulkan { call, result })
+    }
+}

@@ -83,5 +83,9 @@ fn dependency(d: &Dependency) -> vk::SubpassDependency {
         .src_access_mask(src_access)
         .dst_stage_mask(dst_stages)
         .dst_access_mask(dst_access)
-        .dependency_flags(if d.by_region { vk::DependencyFlags::BY_REGION } else { vk::DependencyFlags::empty() })
+        .dependency_flags(if d.by_region {
+            vk::DependencyFlags::BY_REGION
+        } else {
+            vk::DependencyFlags::empty()
+        })
 }

@@ -5,15 +5,17 @@ use std::ffi::CStr;
 
 use ash::vk;
 
-use super::shader::{self, bindings};
-use super::{Called, Device, Owned, PipelineCache, VertexInput};
+use super::shader::{
+    GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, TextureSlot, shared,
+};
+use super::{Called, Device, Owned, PipelineCache, StreamKind, texel_bytes};
 use crate::Result;
 use crate::plan::{Pipeline, Plan, SurfaceKind};
 
-const ENTRY: &CStr = c"main";
+use super::descriptor::Binding;
+use super::scene_data::vertex_streams;
 
-/// One binding of a descriptor set layout: number, type, array size, stages.
-type Binding = (u32, vk::DescriptorType, u32, vk::ShaderStageFlags);
+const ENTRY: &CStr = c"main";
 
 /// Pipelines that take the same descriptor sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -38,24 +40,30 @@ impl Family {
     /// The bindings of `SET_FRAME`, and of `SET_MATERIAL` or `SET_INPUTS` where there is one.
     fn sets(self) -> [Vec<Binding>; 2] {
         use vk::{DescriptorType as T, ShaderStageFlags as S};
-        let uniforms = |stages| (bindings::BINDING_FRAME, T::UNIFORM_BUFFER, 1, stages);
+        let uniforms = |stages| (const { shared("BINDING_FRAME") }, T::UNIFORM_BUFFER, 1, stages);
         let buffer = |binding, stages| (binding, T::STORAGE_BUFFER, 1, stages);
         let inputs = |count: u32| (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT)).collect();
         match self {
             Self::Surface { textures } => [
                 vec![
                     uniforms(S::VERTEX | S::FRAGMENT),
-                    buffer(bindings::BINDING_INSTANCES, S::VERTEX),
-                    buffer(bindings::BINDING_MATERIALS, S::FRAGMENT),
+                    buffer(const { shared("BINDING_INSTANCES") }, S::VERTEX),
+                    buffer(const { shared("BINDING_MATERIALS") }, S::FRAGMENT),
                 ],
                 match textures as u32 {
                     0 => Vec::new(),
-                    n => vec![(bindings::BINDING_TEXTURES, T::COMBINED_IMAGE_SAMPLER, n, S::FRAGMENT)],
+                    n => vec![(
+                        const { shared("BINDING_TEXTURES") },
+                        T::COMBINED_IMAGE_SAMPLER,
+                        n,
+                        S::FRAGMENT,
+                    )],
                 },
             ],
-            Self::Lighting => {
-                [vec![uniforms(S::FRAGMENT), buffer(bindings::BINDING_LIGHTS, S::FRAGMENT)], inputs(3)]
-            }
+            Self::Lighting => [
+                vec![uniforms(S::FRAGMENT), buffer(const { shared("BINDING_LIGHTS") }, S::FRAGMENT)],
+                inputs(3),
+            ],
             Self::Tonemap => [vec![uniforms(S::FRAGMENT)], inputs(1)],
         }
     }
@@ -81,7 +89,11 @@ impl FamilyLayout {
     }
 }
 
-fn set_layout(device: &Device, family: Family, bindings: &[Binding]) -> Result<Owned<vk::DescriptorSetLayout>> {
+fn set_layout(
+    device: &Device,
+    family: Family,
+    bindings: &[Binding],
+) -> Result<Owned<vk::DescriptorSetLayout>> {
     let bindings: Vec<_> = bindings
         .iter()
         .map(|&(binding, ty, count, stages)| {
@@ -148,35 +160,13 @@ struct Builder<'a> {
 impl Builder<'_> {
     fn build(&self, stage: usize, pipeline: &Pipeline, place: Place) -> Result<Owned<vk::Pipeline>> {
         let plan = self.plan;
-        let options = &plan.options;
-        let output = shader::OutputConstants { tonemap: options.tonemap, dither: options.dither };
-        let (vertex, fragment, constants) = match pipeline {
-            Pipeline::Surface(kind) => {
-                let textured = kind.textures != 0;
-                let fragment = match plan.needs.lit {
-                    None => shader::unlit(textured),
-                    Some(_) => shader::geometry_fragment(options.layout, plan.has_light_target(), textured),
-                };
-                let output = plan.needs.lit.is_none().then_some(output);
-                (shader::geometry_vertex(kind), fragment, shader::surface_constants(kind, output))
-            }
-            Pipeline::Lighting => {
-                let constants = shader::LightingConstants {
-                    directional: plan.needs.directional_lights > 0,
-                    point: plan.needs.point_lights > 0,
-                    spot: plan.needs.spot_lights > 0,
-                    fold: plan.folded,
-                    output,
-                };
-                (shader::fullscreen(), shader::lighting(options.layout), constants.specialization())
-            }
-            Pipeline::Tonemap => (shader::fullscreen(), shader::tonemap(), output.specialization()),
-        };
+        let (vertex, fragment, constants) = modules(plan, pipeline);
         let vertex = self.module(vertex)?;
         let fragment = self.module(fragment)?;
-        let entries: Vec<_> = constants.entries().collect();
-        let data = constants.bytes();
-        let special = vk::SpecializationInfo::default().map_entries(&entries).data(data);
+        let entries: Vec<_> = constants.ids.iter().enumerate().map(|(i, &id)| map_entry(id, i)).collect();
+        let special = vk::SpecializationInfo::default()
+            .map_entries(&entries)
+            .data(bytemuck::cast_slice(&constants.data));
         let stages = [
             vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::VERTEX)
@@ -192,7 +182,7 @@ impl Builder<'_> {
             Pipeline::Surface(kind) => Some(kind),
             _ => None,
         };
-        let input = kind.map(VertexInput::of).unwrap_or_default();
+        let input = kind.map(VertexInput::new).transpose()?.unwrap_or_default();
         let state = FixedState::new(plan.subpass(stage).2, kind);
         self.create(&stages, &input, &state, place, &plan.pipeline_text(pipeline))
     }
@@ -241,11 +231,106 @@ impl Builder<'_> {
         Ok(Owned::new(self.device, raw[0], name))
     }
 
-    fn module(&self, module: &shader::Module) -> Result<Owned<vk::ShaderModule>> {
-        let info = vk::ShaderModuleCreateInfo::default().code(module.words());
+    fn module(&self, module: Module) -> Result<Owned<vk::ShaderModule>> {
+        let info = vk::ShaderModuleCreateInfo::default().code(module.spirv()?);
         // SAFETY: the words are SPIR-V that the shader compiler made and a test validates.
-        unsafe { self.device.create_shader_module(&info, module.name()) }
+        unsafe { self.device.create_shader_module(&info, &module.name()) }
     }
+}
+
+/// Vertex and fragment shader of a pipeline, and what the latter is specialised with.
+fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Specialization) {
+    let layout = plan.options.layout;
+    let output = OutputConstants { tonemap: plan.options.tonemap, dither: plan.options.dither };
+    match pipeline {
+        Pipeline::Surface(kind) => {
+            let textured = kind.textures != 0;
+            let constants = surface_constants(kind).specialization();
+            let vertex = vertex_module(kind);
+            match plan.needs.lit {
+                None => (vertex, Module::Unlit { textured }, constants.and(output.specialization())),
+                Some(_) => {
+                    let light_target = plan.has_light_target();
+                    (vertex, Module::GeometryFragment { layout, light_target, textured }, constants)
+                }
+            }
+        }
+        Pipeline::Lighting => {
+            let constants = LightingConstants {
+                has_directional: plan.needs.directional_lights > 0,
+                has_point: plan.needs.point_lights > 0,
+                has_spot: plan.needs.spot_lights > 0,
+                fold: plan.folded.then_some(output),
+            };
+            (Module::Fullscreen, Module::Lighting { layout }, constants.specialization())
+        }
+        Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
+    }
+}
+
+fn vertex_module(kind: &SurfaceKind) -> Module {
+    Module::GeometryVertex {
+        normal: !kind.unlit,
+        texcoord: kind.textures != 0,
+        tangent: kind.needs_tangents(),
+        color: kind.vertex_color,
+    }
+}
+
+fn surface_constants(kind: &SurfaceKind) -> GeometryConstants {
+    let slot = |slot: usize| {
+        kind.texture_index(slot).map(|index| TextureSlot {
+            slot: index as u32,
+            second_texcoord: kind.second_texcoord & (1 << slot) != 0,
+            transformed: kind.transformed & (1 << slot) != 0,
+        })
+    };
+    GeometryConstants {
+        textures: std::array::from_fn(slot),
+        alpha_mask: kind.alpha_mask,
+        double_sided: kind.double_sided,
+        unlit: kind.unlit,
+        vertex_color: kind.vertex_color,
+        emissive: kind.emissive,
+        ambient: kind.ambient,
+    }
+}
+
+/// Vertex attributes in the order of their streams.
+#[derive(Default)]
+struct VertexInput {
+    bindings: Vec<vk::VertexInputBindingDescription>,
+    attributes: Vec<vk::VertexInputAttributeDescription>,
+}
+
+impl VertexInput {
+    fn new(kind: &SurfaceKind) -> Result<Self> {
+        let mut input = Self::default();
+        for (binding, (stream, format)) in (0..).zip(vertex_streams(kind).list()) {
+            let location = match stream {
+                StreamKind::Position => const { shared("ATTRIBUTE_POSITION") },
+                StreamKind::Normal => const { shared("ATTRIBUTE_NORMAL") },
+                StreamKind::Tangent => const { shared("ATTRIBUTE_TANGENT") },
+                StreamKind::Texcoords => const { shared("ATTRIBUTE_TEXCOORD") },
+                StreamKind::Color => const { shared("ATTRIBUTE_COLOR") },
+            };
+            let stride = texel_bytes(format)?;
+            let input_rate = vk::VertexInputRate::VERTEX;
+            input.bindings.push(vk::VertexInputBindingDescription { binding, stride, input_rate });
+            input.attributes.push(vk::VertexInputAttributeDescription {
+                location,
+                binding,
+                format,
+                offset: 0,
+            });
+        }
+        Ok(input)
+    }
+}
+
+fn map_entry(id: u32, index: usize) -> vk::SpecializationMapEntry {
+    let size = size_of::<u32>();
+    vk::SpecializationMapEntry { constant_id: id, offset: (index * size) as u32, size }
 }
 
 /// Fixed-function state of a subpass's pipelines.
@@ -277,7 +362,8 @@ impl FixedState {
                 .depth_write_enable(true)
                 .depth_compare_op(vk::CompareOp::GREATER)
         });
-        let all = vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
+        let all =
+            vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
         let one = if subpass.blend {
             all.blend_enable(true)
                 .src_color_blend_factor(vk::BlendFactor::ONE)

@@ -17,7 +17,12 @@ pub struct View<'a> {
 
 impl View<'_> {
     /// The uniform block of a frame. Computed in f64: the f32 result is the nearest to the exact one.
-    pub(super) fn uniforms(&self, plan: &Plan, ambient_nt: glam::Vec3, light_counts: [u32; 3]) -> FrameUniforms {
+    pub(super) fn uniforms(
+        &self,
+        plan: &Plan,
+        ambient_nt: glam::Vec3,
+        light_counts: [u32; 3],
+    ) -> FrameUniforms {
         let [width, height] = plan.options.size.map(f64::from);
         let aspect = width / height;
         let world_from_view: DMat4 = self.camera.world_from_view.as_dmat4();
@@ -30,7 +35,8 @@ impl View<'_> {
             Projection::Orthographic { ymag_m, .. } => (f64::from(ymag_m) * aspect, f64::from(ymag_m), 0.0),
         };
         let axis = |v: DVec3, w: f32| v.as_vec3().extend(w).to_array();
-        let [right, up, back, position] = world_from_view.to_cols_array_2d().map(|c| DVec3::new(c[0], c[1], c[2]));
+        let [right, up, back, position] =
+            world_from_view.to_cols_array_2d().map(|c| DVec3::new(c[0], c[1], c[2]));
         let light_scale = if plan.has_light_target() { plan.options.layout.light_scale() } else { 1.0 };
         FrameUniforms {
             clip_from_world: (clip_from_view * world_from_view.inverse()).as_mat4().to_cols_array_2d(),

@@ -70,7 +70,11 @@ fn interpret(frame: &Frame, places: &[Vec<usize>], passes: &[Pass]) -> std::resu
 }
 
 /// Checks that every conflict between two subpasses is ordered by a dependency whose scopes cover it.
-fn check_dependencies(frame: &Frame, places: &[Vec<usize>], passes: &[Pass]) -> std::result::Result<(), String> {
+fn check_dependencies(
+    frame: &Frame,
+    places: &[Vec<usize>],
+    passes: &[Pass],
+) -> std::result::Result<(), String> {
     let mut first_stage = 0;
     for pass in passes {
         for place in places {
@@ -81,7 +85,8 @@ fn check_dependencies(frame: &Frame, places: &[Vec<usize>], passes: &[Pass]) -> 
             let users: Vec<_> = (0..pass.subpasses.len()).filter(|&s| !uses_in(s).is_empty()).collect();
             for pair in users.windows(2) {
                 let [i, j] = [pair[0], pair[1]];
-                for (a, b) in uses_in(i).into_iter().flat_map(|a| uses_in(j).into_iter().map(move |b| (a, b))) {
+                for (a, b) in uses_in(i).into_iter().flat_map(|a| uses_in(j).into_iter().map(move |b| (a, b)))
+                {
                     let covered = !a.writes() && !b.writes()
                         || pass.dependencies.iter().any(|d| {
                             (d.from, d.to) == (Some(i), Some(j))

@@ -1,0 +1,86 @@
+//! Buffers with their memory.
+
+use super::memory::Memory;
+use super::{Called, Device, MemoryUse, Owned};
+use crate::{Error, Result};
+use ash::vk;
+
+/// What a [`Buffer`] is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct BufferDesc<'a> {
+    /// For debuggers and messages.
+    pub name: &'a str,
+    /// Size; above 0.
+    pub bytes: u64,
+    /// Everything it is used for. What an [`Upload`](super::Upload) makes it visible to follows from this.
+    pub usage: vk::BufferUsageFlags,
+    /// Whether it is mapped, and for what.
+    pub memory: MemoryUse,
+}
+
+/// A buffer and its sub-allocated memory.
+#[derive(Debug)]
+pub struct Buffer {
+    raw: Owned<vk::Buffer>,
+    memory: Memory,
+    bytes: u64,
+    usage: vk::BufferUsageFlags,
+}
+
+impl Buffer {
+    /// Makes a buffer with undefined content.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a size of 0; [`Error::Vulkan`], e.g. when memory runs out.
+    pub fn new(device: &Device, desc: &BufferDesc<'_>) -> Result<Self> {
+        if desc.bytes == 0 {
+            return Err(Error::unsupported(
+                format!("buffer '{}' has a size of 0", desc.name),
+                "leave out what is empty",
+            ));
+        }
+        let info = vk::BufferCreateInfo::default().size(desc.bytes).usage(desc.usage);
+        // SAFETY: the size is above 0, and sharing is exclusive.
+        let raw = unsafe { device.create_buffer(&info, desc.name) }?;
+        // SAFETY: the buffer is alive.
+        let requirements = unsafe { device.raw().get_buffer_memory_requirements(raw.raw()) };
+        let memory = Memory::new(device, requirements, desc.memory, true, None, desc.name)?;
+        let (block, offset) = memory.binding();
+        // SAFETY: neither is bound yet, and the memory was allocated for these requirements.
+        unsafe { device.raw().bind_buffer_memory(raw.raw(), block, offset) }.called("vkBindBufferMemory")?;
+        Ok(Self { raw, memory, bytes: desc.bytes, usage: desc.usage })
+    }
+
+    /// The handle, valid as long as this owner.
+    pub fn raw(&self) -> vk::Buffer {
+        self.raw.raw()
+    }
+
+    /// The size that was asked for.
+    pub fn size_bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// What it is used for.
+    pub fn usage(&self) -> vk::BufferUsageFlags {
+        self.usage
+    }
+
+    /// The size of the memory behind it.
+    pub fn allocated_bytes(&self) -> u64 {
+        self.memory.bytes()
+    }
+
+    /// The content of a mapped buffer, `size_bytes` long; empty if it is not mapped. What the GPU wrote is seen after
+    /// its fence was waited for and a barrier made it visible to the host.
+    pub fn mapped(&self) -> &[u8] {
+        self.memory.mapped().map_or(&[], |bytes| &bytes[..self.bytes as usize])
+    }
+
+    /// The content of a mapped buffer, to write; empty if it is not mapped. The GPU must not be reading the
+    /// parts that are written.
+    pub fn mapped_mut(&mut self) -> &mut [u8] {
+        let size = self.bytes as usize;
+        self.memory.mapped_mut().map_or(&mut [], |bytes| &mut bytes[..size])
+    }
+}

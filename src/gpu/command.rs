@@ -1,0 +1,177 @@
+//! Recording commands, and running them for programs and tests.
+
+use super::{Called, Device, Owned};
+use crate::Result;
+use ash::vk;
+use std::ffi::CString;
+
+/// A command buffer in the recording state: a host's or our own.
+///
+/// What is recorded refers to buffers, images and so on; whoever submits keeps those alive until the GPU is done.
+#[derive(Clone, Copy, Debug)]
+pub struct Recorder<'a> {
+    device: &'a Device,
+    raw: vk::CommandBuffer,
+}
+
+impl<'a> Recorder<'a> {
+    /// Records into a host's command buffer.
+    ///
+    /// # Safety
+    /// `raw` is a primary command buffer from a pool of [`Device::queue_family`], in the recording state, outside of a
+    /// render pass unless a function says otherwise, and not used by another thread while the recorder exists. What is
+    /// recorded is kept alive until its execution has finished.
+    pub unsafe fn from_host(device: &'a Device, raw: vk::CommandBuffer) -> Self {
+        Self { device, raw }
+    }
+
+    /// The device.
+    pub fn device(&self) -> &'a Device {
+        self.device
+    }
+
+    /// The command buffer.
+    pub fn raw(&self) -> vk::CommandBuffer {
+        self.raw
+    }
+
+    /// Opens a label that debuggers and traces show; dropping the guard closes it. Nothing happens without
+    /// VK_EXT_debug_utils.
+    #[must_use = "the label ends when the guard is dropped"]
+    pub fn label(&self, name: &str) -> Label<'a> {
+        let open = self.device.debug_utils().is_some();
+        if let (Some(debug_utils), Ok(name)) = (self.device.debug_utils(), CString::new(name)) {
+            let info = vk::DebugUtilsLabelEXT::default().label_name(&name);
+            // SAFETY: the command buffer is recording.
+            unsafe { debug_utils.cmd_begin_debug_utils_label(self.raw, &info) };
+            return Label { recorder: *self, open };
+        }
+        Label { recorder: *self, open: false }
+    }
+}
+
+/// A label that is open; see [`Recorder::label`].
+pub struct Label<'a> {
+    recorder: Recorder<'a>,
+    open: bool,
+}
+
+impl Drop for Label<'_> {
+    fn drop(&mut self) {
+        if let (true, Some(debug_utils)) = (self.open, self.recorder.device.debug_utils()) {
+            // SAFETY: the command buffer is recording, and the label was opened in it.
+            unsafe { debug_utils.cmd_end_debug_utils_label(self.recorder.raw) };
+        }
+    }
+}
+
+/// One command buffer with its pool and fence, to record and run again and again.
+///
+/// For programs and tests: [`Self::wait`] blocks. Hosts use command buffers of their own with
+/// [`Recorder::from_host`].
+#[derive(Debug)]
+pub struct Commands {
+    fence: Owned<vk::Fence>,
+    pool: Owned<vk::CommandPool>,
+    raw: vk::CommandBuffer,
+    pending: bool,
+}
+
+impl Commands {
+    /// Makes an empty command buffer.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
+    pub fn new(device: &Device, name: &str) -> Result<Self> {
+        let info = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT)
+            .queue_family_index(device.queue_family());
+        // SAFETY: the family is the device's.
+        let pool = unsafe { device.create_command_pool(&info, name) }?;
+        // SAFETY: nothing to promise.
+        let fence = unsafe { device.create_fence(&vk::FenceCreateInfo::default(), name) }?;
+        let info = vk::CommandBufferAllocateInfo::default()
+            .command_pool(pool.raw())
+            .level(vk::CommandBufferLevel::PRIMARY)
+            .command_buffer_count(1);
+        // SAFETY: the pool is alive; it frees the buffer with itself.
+        let buffers = unsafe { device.raw().allocate_command_buffers(&info) };
+        let raw = buffers.called("vkAllocateCommandBuffers")?[0];
+        device.set_name(raw, name);
+        Ok(Self { fence, pool, raw, pending: false })
+    }
+
+    /// Records and runs commands once, and waits for them.
+    ///
+    /// # Errors
+    /// What `record` returned (then nothing runs), or [`crate::Error::Vulkan`].
+    pub fn run<T>(device: &Device, name: &str, record: impl FnOnce(&Recorder<'_>) -> Result<T>) -> Result<T> {
+        let mut commands = Self::new(device, name)?;
+        let value = commands.record(record)?;
+        commands.submit()?;
+        commands.wait()?;
+        Ok(value)
+    }
+
+    /// Records anew, after waiting for the last submission.
+    ///
+    /// # Errors
+    /// What `record` returned (then there is nothing to submit), or [`crate::Error::Vulkan`].
+    pub fn record<T>(&mut self, record: impl FnOnce(&Recorder<'_>) -> Result<T>) -> Result<T> {
+        self.wait()?;
+        let device = self.pool.device();
+        let raw = device.raw();
+        // SAFETY: the GPU has finished with the pool's only buffer.
+        unsafe { raw.reset_command_pool(self.pool.raw(), vk::CommandPoolResetFlags::empty()) }
+            .called("vkResetCommandPool")?;
+        let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the buffer is in the initial state.
+        unsafe { raw.begin_command_buffer(self.raw, &info) }.called("vkBeginCommandBuffer")?;
+        let value = record(&Recorder { device, raw: self.raw })?;
+        // SAFETY: the buffer is recording.
+        unsafe { raw.end_command_buffer(self.raw) }.called("vkEndCommandBuffer")?;
+        Ok(value)
+    }
+
+    /// Submits what was recorded, once.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
+    pub fn submit(&mut self) -> Result<()> {
+        let device = self.pool.device();
+        let buffers = [self.raw];
+        let submits = [vk::SubmitInfo::default().command_buffers(&buffers)];
+        let queue = device.queue();
+        // SAFETY: the fence is unsignalled and not in use (`record` waited), and the queue is locked.
+        unsafe { device.raw().queue_submit(*queue, &submits, self.fence.raw()) }.called("vkQueueSubmit")?;
+        drop(queue);
+        self.pending = true;
+        Ok(())
+    }
+
+    /// Waits until the GPU has finished; returns at once if nothing was submitted.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
+    pub fn wait(&mut self) -> Result<()> {
+        if !self.pending {
+            return Ok(());
+        }
+        let device = self.pool.device().raw();
+        let fences = [self.fence.raw()];
+        // SAFETY: the fence is alive and was submitted.
+        unsafe { device.wait_for_fences(&fences, true, u64::MAX) }.called("vkWaitForFences")?;
+        // A lost device also ends the wait, with an error above; only success leaves nothing pending.
+        self.pending = false;
+        // SAFETY: the fence is signalled, so no queue uses it.
+        unsafe { device.reset_fences(&fences) }.called("vkResetFences")
+    }
+}
+
+impl Drop for Commands {
+    fn drop(&mut self) {
+        if let Err(e) = self.wait() {
+            log::error!("{e}");
+        }
+    }
+}

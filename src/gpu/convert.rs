@@ -1,0 +1,67 @@
+//! The scene's numbers as shaders read them.
+
+use super::shared::{InstanceData, LightData, MaterialData};
+use crate::plan::SurfaceKind;
+use crate::scene::{AlphaMode, Instance, Light, LightKind, Material, TextureRef};
+
+pub(super) fn instance(instance: &Instance, material: usize) -> InstanceData {
+    let m = instance.world_from_object;
+    InstanceData {
+        world_from_object_rows: [m.row(0), m.row(1), m.row(2)].map(|r| r.to_array()),
+        material: material as u32,
+        pad: [0; 3],
+    }
+}
+
+pub(super) fn material(m: &Material) -> MaterialData {
+    let cutoff = match m.alpha_mode {
+        AlphaMode::Opaque => 0.0,
+        AlphaMode::Mask { cutoff } => cutoff,
+    };
+    let rows = |texture: Option<TextureRef>| {
+        let rows = texture.map_or(TextureRef::IDENTITY, |t| t.uv_from_texcoord);
+        rows.map(|r| r.extend(0.0).to_array())
+    };
+    MaterialData {
+        base_color_factor: m.base_color_factor.to_array(),
+        emissive_factor_alpha_cutoff: m.emissive_factor.extend(cutoff).to_array(),
+        metallic_factor: m.metallic_factor,
+        roughness_factor: m.roughness_factor,
+        normal_scale: m.normal_scale,
+        occlusion_strength: m.occlusion_strength,
+        uv_rows: SurfaceKind::textures_of(m).map(rows),
+    }
+}
+
+/// Directional, point and spot lights in this order, and how many there are of each.
+pub(super) fn lights(lights: &[Light]) -> (Vec<LightData>, [u32; 3]) {
+    let group = |wanted: fn(&LightKind) -> bool| lights.iter().filter(move |l| wanted(&l.kind)).map(light);
+    let groups: [Vec<_>; 3] = [
+        group(|k| matches!(k, LightKind::Directional { .. })).collect(),
+        group(|k| matches!(k, LightKind::Point { .. })).collect(),
+        group(|k| matches!(k, LightKind::Spot { .. })).collect(),
+    ];
+    let counts = [0, 1, 2].map(|i| groups[i].len() as u32);
+    (groups.concat(), counts)
+}
+
+fn light(l: &Light) -> LightData {
+    let (intensity, spot_scale, spot_offset) = match l.kind {
+        LightKind::Directional { illuminance_lx } => (illuminance_lx, 0.0, 0.0),
+        LightKind::Point { intensity_cd } => (intensity_cd, 0.0, 0.0),
+        LightKind::Spot { intensity_cd, inner_cone_rad, outer_cone_rad } => {
+            // KHR_lights_punctual, "Inner and Outer Cone Angles".
+            let outer = outer_cone_rad.cos();
+            let scale = 1.0 / (inner_cone_rad.cos() - outer).max(0.001);
+            (intensity_cd, scale, -outer * scale)
+        }
+    };
+    LightData {
+        position_world: l.position_world.to_array(),
+        inverse_range: l.range_m.map_or(0.0, f32::recip),
+        intensity: (l.color * intensity).to_array(),
+        spot_scale,
+        direction_world: l.direction_world.to_array(),
+        spot_offset,
+    }
+}

@@ -1,0 +1,220 @@
+//! The device that everything is made from: ours or a host engine's.
+
+use super::caps::{Caps, lazy_types};
+use super::headless::OwnedDevice;
+use super::owned::{Counters, Live};
+use crate::{Error, Result};
+use ash::vk::{self, Handle};
+use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
+use std::ffi::CString;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// What a host engine lends. Nothing in it is destroyed by this crate.
+///
+/// The host keeps instance and device alive until the last [`Device`] clone and everything made from it is dropped.
+/// It created both for Vulkan 1.1 or later.
+pub struct HostDevice {
+    /// The host's instance, with its function table.
+    pub instance: ash::Instance,
+    /// The device that `device` was created from.
+    pub physical_device: vk::PhysicalDevice,
+    /// The host's device, with its function table.
+    pub device: ash::Device,
+    /// A family with graphics support; command buffers given to this crate come from it.
+    pub queue_family: u32,
+    /// A queue of that family. Only [`Commands`](super::Commands) submits to it; a host that uses those
+    /// synchronises its own submissions with them. Recording into the host's command buffers submits nothing.
+    pub queue: vk::Queue,
+    /// Passed to every Vulkan call that creates or destroys an object. Memory follows them only if `allocator` is
+    /// `None` and it is lazily allocated: gpu-allocator calls without callbacks.
+    pub callbacks: Option<vk::AllocationCallbacks<'static>>,
+    /// The host's allocator, to share its memory blocks; otherwise this crate makes one of its own.
+    pub allocator: Option<Arc<Mutex<Allocator>>>,
+    /// What the host enabled.
+    pub features: Features,
+}
+
+/// Optional features that are enabled on a device; all may be off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Features {
+    /// VK_EXT_debug_utils on the instance: names and labels are set.
+    pub debug_utils: bool,
+    /// `pipelineStatisticsQuery`.
+    pub pipeline_statistics: bool,
+}
+
+/// A Vulkan device and what is needed to use it. Clones are cheap and share everything.
+#[derive(Clone)]
+pub struct Device {
+    shared: Arc<Shared>,
+}
+
+/// Fields are dropped in this order: the allocator frees its blocks before the device goes.
+struct Shared {
+    allocator: Arc<Mutex<Allocator>>,
+    instance: ash::Instance,
+    physical_device: vk::PhysicalDevice,
+    raw: ash::Device,
+    queue_family: u32,
+    queue: Mutex<vk::Queue>,
+    callbacks: Option<vk::AllocationCallbacks<'static>>,
+    debug_utils: Option<ash::ext::debug_utils::Device>,
+    features: Features,
+    caps: Caps,
+    memory: vk::PhysicalDeviceMemoryProperties,
+    counters: Counters,
+    _owned: Option<OwnedDevice>,
+}
+
+impl Device {
+    /// Uses a host engine's device.
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`] if the allocator cannot be made.
+    ///
+    /// # Safety
+    /// The handles belong together, the features named are enabled, and the host keeps all of it alive until this
+    /// device, its clones and all objects made from them are dropped.
+    pub unsafe fn from_host(host: HostDevice) -> Result<Self> {
+        // SAFETY: the caller's promise.
+        unsafe { Self::new(host, None) }
+    }
+
+    /// # Safety
+    /// As [`Self::from_host`]; `owned`, if given, owns `host.device` and `host.instance`.
+    pub(super) unsafe fn new(host: HostDevice, owned: Option<OwnedDevice>) -> Result<Self> {
+        let HostDevice { instance, physical_device, device, queue_family, queue, callbacks, .. } = host;
+        // SAFETY: the caller's promise.
+        let caps = unsafe { Caps::query(&instance, physical_device, queue_family) };
+        // SAFETY: the caller's promise.
+        let memory = unsafe { instance.get_physical_device_memory_properties(physical_device) };
+        let allocator = match host.allocator {
+            Some(allocator) => allocator,
+            None => Arc::new(Mutex::new(own_allocator(&instance, &device, physical_device)?)),
+        };
+        let debug_utils =
+            host.features.debug_utils.then(|| ash::ext::debug_utils::Device::new(&instance, &device));
+        let shared = Shared {
+            allocator,
+            instance,
+            physical_device,
+            raw: device,
+            queue_family,
+            queue: Mutex::new(queue),
+            callbacks,
+            debug_utils,
+            features: host.features,
+            caps,
+            memory,
+            counters: Counters::default(),
+            _owned: owned,
+        };
+        Ok(Self { shared: Arc::new(shared) })
+    }
+
+    /// The function table of the device.
+    pub fn raw(&self) -> &ash::Device {
+        &self.shared.raw
+    }
+
+    /// The function table of the instance.
+    pub fn instance(&self) -> &ash::Instance {
+        &self.shared.instance
+    }
+
+    /// The physical device.
+    pub fn physical_device(&self) -> vk::PhysicalDevice {
+        self.shared.physical_device
+    }
+
+    /// The family that command buffers come from.
+    pub fn queue_family(&self) -> u32 {
+        self.shared.queue_family
+    }
+
+    /// The queue, locked against this crate's other submissions as Vulkan demands.
+    pub fn queue(&self) -> MutexGuard<'_, vk::Queue> {
+        self.shared.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What the device can do.
+    pub fn caps(&self) -> &Caps {
+        &self.shared.caps
+    }
+
+    /// What is enabled.
+    pub fn features(&self) -> Features {
+        self.shared.features
+    }
+
+    /// What this crate has alive on the device.
+    pub fn live(&self) -> Live {
+        self.shared.counters.live()
+    }
+
+    /// Names an object for debuggers and validation messages; nothing happens without VK_EXT_debug_utils.
+    pub fn set_name(&self, handle: impl Handle, name: &str) {
+        let Some(debug_utils) = &self.shared.debug_utils else { return };
+        let Ok(name) = CString::new(name) else { return };
+        let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
+        // A name that cannot be set changes no result, so failure is ignored.
+        // SAFETY: the handle is alive: callers hold its owner.
+        let _ = unsafe { debug_utils.set_debug_utils_object_name(&info) };
+    }
+
+    pub(crate) fn debug_utils(&self) -> Option<&ash::ext::debug_utils::Device> {
+        self.shared.debug_utils.as_ref()
+    }
+
+    pub(crate) fn callbacks(&self) -> Option<&vk::AllocationCallbacks<'static>> {
+        self.shared.callbacks.as_ref()
+    }
+
+    pub(crate) fn counters(&self) -> &Counters {
+        &self.shared.counters
+    }
+
+    pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
+        self.shared.allocator.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The set of memory types that are lazily allocated.
+    pub(crate) fn lazy_memory_types(&self) -> u32 {
+        lazy_types(&self.shared.memory)
+    }
+
+    /// How many clones of this device exist, those inside its objects counted in.
+    pub(crate) fn owners(&self) -> usize {
+        Arc::strong_count(&self.shared)
+    }
+}
+
+impl std::fmt::Debug for Device {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Device").field(&self.caps().name).finish()
+    }
+}
+
+/// Blocks that grow from 16 MiB (8 MiB host-visible) to gpu-allocator's fixed default, so that a small scene
+/// does not take 256 MiB.
+fn own_allocator(
+    instance: &ash::Instance,
+    device: &ash::Device,
+    physical_device: vk::PhysicalDevice,
+) -> Result<Allocator> {
+    const MIB: u64 = 1 << 20;
+    Allocator::new(&AllocatorCreateDesc {
+        instance: instance.clone(),
+        device: device.clone(),
+        physical_device,
+        debug_settings: AllocatorDebugSettings::default(),
+        buffer_device_address: false,
+        allocation_sizes: AllocationSizes::new(16 * MIB, 8 * MIB)
+            .with_max_device_memblock_size(256 * MIB)
+            .with_max_host_memblock_size(64 * MIB),
+    })
+    .map_err(|e| {
+        Error::unsupported(format!("no memory allocator for this device: {e}"), "use another device")
+    })
+}

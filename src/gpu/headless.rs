@@ -1,0 +1,297 @@
+//! A device of our own, without a window: what programs and tests use.
+
+use super::validation::Messages;
+use super::{Called, Caps, Device, Features, HostDevice};
+use crate::{Error, Result};
+use ash::{ext, vk};
+use std::ffi::{CStr, CString};
+
+const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
+const DRIVER_REMEDY: &str =
+    "install a Vulkan loader and driver (on Debian: apt-get install libvulkan1 mesa-vulkan-drivers)";
+
+/// How to make a [`Headless`].
+#[derive(Clone, Debug, Default)]
+pub struct HeadlessOptions {
+    /// Take the first device whose name or driver contains this, whatever its case. Otherwise the best by type:
+    /// discrete, integrated, virtual, CPU.
+    pub device_name_part: Option<String>,
+    /// Run under the Khronos validation layer (core, synchronisation and best practices) and collect its messages.
+    pub validate: bool,
+    /// Told to the driver.
+    pub application_name: String,
+}
+
+/// Instance, device and queue of our own.
+#[derive(Debug)]
+pub struct Headless {
+    device: Device,
+    messages: Messages,
+}
+
+impl Headless {
+    /// Loads Vulkan and makes a device of version 1.1 with one graphics queue.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] without a loader, a driver, a device that matches, or (if asked for) the validation
+    /// layer; [`Error::Vulkan`] if a call fails.
+    pub fn new(options: &HeadlessOptions) -> Result<Self> {
+        let instance = OwnedInstance::new(&options.application_name, options.validate)?;
+        let messages = (*instance.messages).clone();
+        let candidates = instance.candidates()?;
+        let chosen = choose(&candidates, options.device_name_part.as_deref())?;
+        log::info!("using {} ({})", chosen.caps.name, chosen.caps.driver);
+        let device = open(instance, chosen)?;
+        Ok(Self { device, messages })
+    }
+
+    /// The device.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// What the validation layer has said so far.
+    pub fn messages(&self) -> Vec<String> {
+        self.messages.all()
+    }
+
+    /// Destroys the device and returns all that the validation layer said, during destruction too.
+    ///
+    /// An object that is still alive keeps the device alive; then one more message says so.
+    pub fn finish(self) -> Vec<String> {
+        let Self { device, messages } = self;
+        let others = device.owners() - 1;
+        if others > 0 {
+            messages.push(format!("device still in use by {others} owners: {:?}", device.live()));
+        }
+        drop(device);
+        messages.all()
+    }
+}
+
+/// A physical device that could be used.
+pub(super) struct Candidate {
+    physical_device: vk::PhysicalDevice,
+    queue_family: u32,
+    pub(super) caps: Caps,
+}
+
+/// The instance and its messenger; destroyed in that order reversed.
+pub(super) struct OwnedInstance {
+    raw: ash::Instance,
+    messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
+    debug_utils: bool,
+    /// Boxed: the layer holds its address until the instance is gone.
+    messages: Box<Messages>,
+    /// Unloads the Vulkan library, so it goes last.
+    entry: ash::Entry,
+}
+
+impl OwnedInstance {
+    pub(super) fn new(application_name: &str, validate: bool) -> Result<Self> {
+        // SAFETY: the loader runs its initialisers; it is the system's Vulkan library.
+        let entry = unsafe { ash::Entry::load() }.map_err(|e| {
+            Error::unsupported(format!("the Vulkan loader cannot be loaded ({e})"), DRIVER_REMEDY)
+        })?;
+        // SAFETY: no preconditions.
+        let version = unsafe { entry.try_enumerate_instance_version() }
+            .called("vkEnumerateInstanceVersion")?
+            .unwrap_or(vk::API_VERSION_1_0);
+        if version < vk::API_VERSION_1_1 {
+            return Err(Error::unsupported("the Vulkan loader is of version 1.0", DRIVER_REMEDY));
+        }
+        let debug_utils = validate || offers(&entry, None, ext::debug_utils::NAME)?;
+        let layer_extensions = if validate { layer_extensions(&entry)? } else { Vec::new() };
+        let layer_has = |name: &CStr| layer_extensions.iter().any(|e| e == name);
+
+        let mut extensions = Vec::new();
+        if debug_utils {
+            extensions.push(ext::debug_utils::NAME.as_ptr());
+        }
+        // The newer extension can also ask for the checks of vendors.
+        let layer_settings = layer_has(ext::layer_settings::NAME);
+        let validation_features = !layer_settings && layer_has(ext::validation_features::NAME);
+        if layer_settings {
+            extensions.push(ext::layer_settings::NAME.as_ptr());
+        }
+        if validation_features {
+            extensions.push(ext::validation_features::NAME.as_ptr());
+        }
+        let layers: &[_] = if validate { &[VALIDATION_LAYER.as_ptr()] } else { &[] };
+
+        let name = CString::new(application_name).unwrap_or_default();
+        let application = vk::ApplicationInfo::default()
+            .application_name(&name)
+            .engine_name(c"ontile")
+            .api_version(vk::API_VERSION_1_1);
+        let messages = Box::new(Messages::default());
+        let mut messenger_info = messages.messenger_info();
+        let enables = [
+            vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION,
+            vk::ValidationFeatureEnableEXT::BEST_PRACTICES,
+        ];
+        let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enables);
+        let on = vk::TRUE.to_ne_bytes();
+        let setting = |name| {
+            vk::LayerSettingEXT::default()
+                .layer_name(VALIDATION_LAYER)
+                .setting_name(name)
+                .ty(vk::LayerSettingTypeEXT::BOOL32)
+                .values(&on)
+        };
+        // `values` counts bytes; the structure counts values.
+        let settings = [
+            c"validate_sync",
+            c"validate_best_practices",
+            c"validate_best_practices_arm",
+            c"validate_best_practices_img",
+        ]
+        .map(|name| vk::LayerSettingEXT { value_count: 1, ..setting(name) });
+        let mut settings_info = vk::LayerSettingsCreateInfoEXT::default().settings(&settings);
+
+        let mut info = vk::InstanceCreateInfo::default()
+            .application_info(&application)
+            .enabled_extension_names(&extensions)
+            .enabled_layer_names(layers);
+        if validate {
+            info = info.push_next(&mut messenger_info);
+        }
+        if validation_features {
+            info = info.push_next(&mut features);
+        }
+        if layer_settings {
+            info = info.push_next(&mut settings_info);
+        }
+        // SAFETY: all that `info` points to is alive; layers and extensions were offered.
+        let raw = unsafe { entry.create_instance(&info, None) }.called("vkCreateInstance")?;
+        let mut instance = Self { raw, messenger: None, debug_utils, messages, entry };
+        if validate {
+            let functions = ext::debug_utils::Instance::new(&instance.entry, &instance.raw);
+            // SAFETY: the messages live in the instance's owner, which destroys the messenger first.
+            let messenger =
+                unsafe { functions.create_debug_utils_messenger(&instance.messages.messenger_info(), None) }
+                    .called("vkCreateDebugUtilsMessengerEXT")?;
+            instance.messenger = Some((functions, messenger));
+        }
+        Ok(instance)
+    }
+
+    /// Devices of Vulkan 1.1 or later with a graphics queue, best first.
+    pub(super) fn candidates(&self) -> Result<Vec<Candidate>> {
+        // SAFETY: the instance is alive.
+        let devices =
+            unsafe { self.raw.enumerate_physical_devices() }.called("vkEnumeratePhysicalDevices")?;
+        let mut candidates: Vec<_> = devices.into_iter().filter_map(|d| self.candidate(d)).collect();
+        // Stable: the driver's order among equals.
+        candidates.sort_by_key(|c| c.caps.device_type);
+        Ok(candidates)
+    }
+
+    fn candidate(&self, physical_device: vk::PhysicalDevice) -> Option<Candidate> {
+        // SAFETY: the device was enumerated from this instance.
+        let version = unsafe { self.raw.get_physical_device_properties(physical_device) }.api_version;
+        // SAFETY: as above.
+        let families = unsafe { self.raw.get_physical_device_queue_family_properties(physical_device) };
+        let graphics = families.iter().position(|f| f.queue_flags.contains(vk::QueueFlags::GRAPHICS));
+        let queue_family = graphics.filter(|_| version >= vk::API_VERSION_1_1)? as u32;
+        // SAFETY: as above; the version was checked.
+        let caps = unsafe { Caps::query(&self.raw, physical_device, queue_family) };
+        Some(Candidate { physical_device, queue_family, caps })
+    }
+}
+
+impl Drop for OwnedInstance {
+    fn drop(&mut self) {
+        if let Some((functions, messenger)) = self.messenger.take() {
+            // SAFETY: created from this instance and used by nothing else.
+            unsafe { functions.destroy_debug_utils_messenger(messenger, None) };
+        }
+        // SAFETY: `OwnedDevice` keeps this owner until its device is gone.
+        unsafe { self.raw.destroy_instance(None) };
+    }
+}
+
+/// Our own VkDevice: destroyed when dropped, then the instance.
+pub(super) struct OwnedDevice {
+    raw: ash::Device,
+    _instance: OwnedInstance,
+}
+
+impl Drop for OwnedDevice {
+    fn drop(&mut self) {
+        // SAFETY: every object holds a `Device`, so none is left; nothing was submitted that nobody waited for.
+        unsafe { self.raw.destroy_device(None) };
+    }
+}
+
+fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
+    let &Candidate { physical_device, queue_family, ref caps } = candidate;
+    let queues =
+        [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&[1.0])];
+    let features = vk::PhysicalDeviceFeatures::default().pipeline_statistics_query(caps.pipeline_statistics);
+    let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_features(&features);
+    // SAFETY: the family exists, and the feature is one that the device has.
+    let raw = unsafe { instance.raw.create_device(physical_device, &info, None) }.called("vkCreateDevice")?;
+    let host = HostDevice {
+        instance: instance.raw.clone(),
+        physical_device,
+        device: raw.clone(),
+        queue_family,
+        // SAFETY: the device was created with one queue of this family.
+        queue: unsafe { raw.get_device_queue(queue_family, 0) },
+        callbacks: None,
+        allocator: None,
+        features: Features {
+            debug_utils: instance.debug_utils,
+            pipeline_statistics: caps.pipeline_statistics,
+        },
+    };
+    let owned = OwnedDevice { raw, _instance: instance };
+    // SAFETY: the handles were made together just above, and `owned` keeps them alive.
+    unsafe { Device::new(host, Some(owned)) }
+}
+
+fn choose<'a>(candidates: &'a [Candidate], name_part: Option<&str>) -> Result<&'a Candidate> {
+    let all: Vec<_> = candidates.iter().map(|c| &c.caps).collect();
+    best(&all, name_part).map(|index| &candidates[index])
+}
+
+/// The index of the first (best first) device that matches.
+fn best(devices: &[&Caps], name_part: Option<&str>) -> Result<usize> {
+    let part = name_part.unwrap_or_default().to_lowercase();
+    let matches = |c: &&Caps| format!("{} ({})", c.name, c.driver).to_lowercase().contains(&part);
+    devices.iter().position(matches).ok_or_else(|| {
+        if devices.is_empty() {
+            return Error::unsupported("no device of Vulkan 1.1 or later was found", DRIVER_REMEDY);
+        }
+        let known: Vec<_> = devices.iter().map(|c| format!("{} ({})", c.name, c.driver)).collect();
+        Error::unsupported(
+            format!("no device's name contains '{part}'"),
+            format!("use one of: {}", known.join(", ")),
+        )
+    })
+}
+
+fn offers(entry: &ash::Entry, layer: Option<&CStr>, extension: &CStr) -> Result<bool> {
+    // SAFETY: no preconditions.
+    let offered = unsafe { entry.enumerate_instance_extension_properties(layer) }
+        .called("vkEnumerateInstanceExtensionProperties")?;
+    Ok(offered.iter().any(|e| e.extension_name_as_c_str() == Ok(extension)))
+}
+
+/// The extensions of the validation layer.
+fn layer_extensions(entry: &ash::Entry) -> Result<Vec<CString>> {
+    // SAFETY: no preconditions.
+    let layers = unsafe { entry.enumerate_instance_layer_properties() }
+        .called("vkEnumerateInstanceLayerProperties")?;
+    if !layers.iter().any(|l| l.layer_name_as_c_str() == Ok(VALIDATION_LAYER)) {
+        return Err(Error::unsupported(
+            "the Khronos validation layer is not installed",
+            "install it (on Debian: apt-get install vulkan-validationlayers) or do without --validate",
+        ));
+    }
+    // SAFETY: no preconditions.
+    let offered = unsafe { entry.enumerate_instance_extension_properties(Some(VALIDATION_LAYER)) }
+        .called("vkEnumerateInstanceExtensionProperties")?;
+    Ok(offered.iter().filter_map(|e| e.extension_name_as_c_str().ok().map(CStr::to_owned)).collect())
+}

@@ -1,0 +1,303 @@
+//! The renderer: a plan made of Vulkan objects, and frames recorded with them.
+
+use ash::vk;
+
+use super::pass::create_render_pass;
+use super::pipeline::{Family, Pipelines};
+use super::scene_data::{BoundMesh, SceneData};
+use super::target::check_formats;
+use super::{
+    Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View,
+};
+use crate::Result;
+use crate::plan::{Pipeline, Plan};
+use crate::scene::Scene;
+
+/// How a [`Renderer`] is set up.
+#[derive(Clone, Copy, Debug)]
+pub struct RendererConfig {
+    /// Frames that the host may have on the GPU at the same time, at least 1.
+    pub frames_in_flight: usize,
+    /// Give transient attachments ordinary memory, so that frame debuggers can read them. Same pixels.
+    pub capture: bool,
+    /// Take a timestamp after every subpass, not only around the frame. On tilers only the ones around the
+    /// frame mean anything, since subpasses of different tiles interleave.
+    pub stage_timestamps: bool,
+}
+
+impl Default for RendererConfig {
+    fn default() -> Self {
+        Self { frames_in_flight: 2, capture: false, stage_timestamps: false }
+    }
+}
+
+/// Draws one scene by one plan.
+///
+/// The host owns command buffers, queue submissions and output images; the renderer records and never waits.
+///
+/// 1. [`Renderer::new`] makes all objects and stages the scene's data.
+/// 2. [`Renderer::record_upload`] goes into a command buffer that the host submits before the first frame; once that
+///    has finished, [`Renderer::finish_upload`] frees the staging memory.
+/// 3. [`Renderer::create_target`] wraps the host's images, again after each resize.
+/// 4. [`Renderer::record`] records a frame. Frame slot `n` may be recorded again once the host knows that the GPU has
+///    finished the frame recorded with it before (a fence or timeline semaphore).
+///
+/// Renderer and targets must be dropped only when no frame that uses them is on the GPU. Several renderers on one
+/// device are independent of each other.
+pub struct Renderer {
+    // In order of destruction.
+    upload: Option<Upload>,
+    queries: Queries,
+    scene: SceneData,
+    pipelines: Pipelines,
+    passes: Vec<Owned<vk::RenderPass>>,
+    plan: Plan,
+    config: RendererConfig,
+    device: Device,
+    recorded: Recorded,
+}
+
+/// What recording a frame put into the command buffer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Recorded {
+    /// Draw calls, full-screen ones included.
+    pub draws: usize,
+    /// Bindings of pipelines, descriptor sets, vertex and index buffers.
+    pub state_changes: usize,
+}
+
+impl Renderer {
+    /// Makes everything that the plan lists.
+    ///
+    /// # Errors
+    /// [`crate::Error::Unsupported`] if the device lacks a format; [`crate::Error::Vulkan`].
+    pub fn new(
+        device: &Device,
+        scene: &Scene,
+        plan: Plan,
+        config: RendererConfig,
+        cache: &PipelineCache,
+    ) -> Result<Self> {
+        check_formats(device, &plan)?;
+        let passes = plan
+            .passes
+            .iter()
+            .map(|pass| create_render_pass(device, &plan, pass))
+            .collect::<Result<Vec<_>>>()?;
+        let pipelines = Pipelines::new(device, &plan, &passes, cache)?;
+        let mut upload = Upload::new(device);
+        let slot_count = config.frames_in_flight.max(1);
+        let scene = SceneData::new(device, scene, &plan, &pipelines, slot_count, &mut upload)?;
+        let timestamps = if config.stage_timestamps { plan.stage_count() + 1 } else { 2 };
+        let queries = Queries::new(device, timestamps as u32, slot_count as u32)?;
+        Ok(Self {
+            upload: Some(upload),
+            queries,
+            scene,
+            pipelines,
+            passes,
+            plan,
+            config,
+            device: device.clone(),
+            recorded: Recorded::default(),
+        })
+    }
+
+    /// Records the copies that bring the scene to the device; does nothing after [`Self::finish_upload`].
+    pub fn record_upload(&mut self, recorder: &Recorder<'_>) {
+        if let Some(upload) = &mut self.upload {
+            upload.record(recorder);
+        }
+    }
+
+    /// Frees the staging memory. The commands of [`Self::record_upload`] must have finished on the GPU.
+    pub fn finish_upload(&mut self) {
+        self.upload = None;
+    }
+
+    /// Makes the attachments that go with the host's images.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
+    pub fn create_target(&self, outputs: &[OutputImage]) -> Result<Target> {
+        Target::new(&self.device, &self.plan, &self.passes, &self.pipelines, outputs, self.config.capture)
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The device.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// What the last [`Self::record`] recorded.
+    pub fn recorded(&self) -> Recorded {
+        self.recorded
+    }
+
+    /// Timestamps and statistics of a frame slot that the GPU has finished: nanoseconds since the frame's begin after
+    /// each stage (with [`RendererConfig::stage_timestamps`]) and at its end.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`], e.g. when the device was lost.
+    pub fn query_results(&self, slot: usize) -> Result<QueryResults> {
+        self.queries.results(slot as u32)
+    }
+
+    /// Device memory of the scene's buffers and textures.
+    pub fn scene_bytes(&self) -> u64 {
+        self.scene.allocated_bytes()
+    }
+
+    /// Records a frame: no allocation, no wait, no submission.
+    ///
+    /// `slot` is below [`RendererConfig::frames_in_flight`], and the GPU has finished the frame that was recorded with it
+    /// before. `output` is an index into the target's images. Earlier accesses to the output image are ordered by the
+    /// render pass if they are copies or colour writes on the same queue; a swapchain's semaphore is waited for at the
+    /// stage COLOR_ATTACHMENT_OUTPUT. Afterwards the image is in the layout that the plan's `output_use` says.
+    ///
+    /// # Panics
+    /// If `slot` or `output` is out of range.
+    pub fn record(
+        &mut self,
+        recorder: &Recorder<'_>,
+        slot: usize,
+        target: &Target,
+        output: usize,
+        view: &View<'_>,
+    ) {
+        self.scene.write_frame(slot, view, &self.plan);
+        let mut frame =
+            Frame { renderer: self, recorder, slot, target, output, recorded: Recorded::default() };
+        frame.record();
+        self.recorded = frame.recorded;
+    }
+}
+
+/// One frame while it is recorded.
+struct Frame<'a> {
+    renderer: &'a Renderer,
+    recorder: &'a Recorder<'a>,
+    slot: usize,
+    target: &'a Target,
+    output: usize,
+    recorded: Recorded,
+}
+
+impl Frame<'_> {
+    fn record(&mut self) {
+        let Renderer { plan, passes, config, queries, .. } = self.renderer;
+        let (recorder, slot) = (self.recorder, self.slot as u32);
+        let _label = recorder.label("ontile frame");
+        queries.reset(recorder, slot);
+        queries.begin_statistics(recorder, slot);
+        queries.timestamp(recorder, slot, 0, vk::PipelineStageFlags::TOP_OF_PIPE);
+        let stages = plan.stage_count();
+        let mut stage = 0;
+        for (index, pass) in plan.passes.iter().enumerate() {
+            self.begin_pass(index, passes[index].raw());
+            for (subpass, planned) in pass.subpasses.iter().enumerate() {
+                if subpass > 0 {
+                    // SAFETY: the command buffer is recording this pass, which has another subpass.
+                    unsafe {
+                        let device = recorder.device().raw();
+                        device.cmd_next_subpass(recorder.raw(), vk::SubpassContents::INLINE);
+                    }
+                }
+                let _label = recorder.label(planned.name);
+                self.draw_stage(stage);
+                stage += 1;
+                if config.stage_timestamps && stage < stages {
+                    let index = stage as u32;
+                    queries.timestamp(recorder, slot, index, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
+                }
+            }
+            // SAFETY: the pass is being recorded and its last subpass was entered.
+            unsafe { recorder.device().raw().cmd_end_render_pass(recorder.raw()) };
+        }
+        let last = if config.stage_timestamps { stages } else { 1 };
+        queries.timestamp(recorder, slot, last as u32, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
+        queries.end_statistics(recorder, slot);
+    }
+
+    fn begin_pass(&self, index: usize, pass: vk::RenderPass) {
+        let extent = self.target.extent();
+        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
+        let info = vk::RenderPassBeginInfo::default()
+            .render_pass(pass)
+            .framebuffer(self.target.framebuffer(self.output, index))
+            .render_area(area)
+            .clear_values(self.target.clear_values(index));
+        let viewport = vk::Viewport {
+            x: 0.0,
+            y: 0.0,
+            width: extent.width as f32,
+            height: extent.height as f32,
+            min_depth: 0.0,
+            max_depth: 1.0,
+        };
+        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+        // SAFETY: the framebuffer was made for this pass, with one clear value per attachment.
+        unsafe {
+            device.cmd_begin_render_pass(raw, &info, vk::SubpassContents::INLINE);
+            device.cmd_set_viewport(raw, 0, &[viewport]);
+            device.cmd_set_scissor(raw, 0, &[area]);
+        }
+    }
+
+    fn draw_stage(&mut self, stage: usize) {
+        let Renderer { plan, pipelines, scene, .. } = self.renderer;
+        let mut bound = BoundMesh::default();
+        for (index, (_, pipeline)) in plan.pipelines.iter().enumerate().filter(|(_, (s, _))| *s == stage) {
+            let family = Family::of(pipeline);
+            let layout = pipelines.layouts[&family].layout.raw();
+            let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+            // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
+            unsafe {
+                device.cmd_bind_pipeline(
+                    raw,
+                    vk::PipelineBindPoint::GRAPHICS,
+                    pipelines.pipelines[index].raw(),
+                );
+            }
+            self.recorded.state_changes += 1;
+            self.bind_set(layout, 0, scene.frame_set(self.slot, family));
+            match pipeline {
+                Pipeline::Surface(_) => self.draw_surfaces(index, layout, &mut bound),
+                Pipeline::Lighting | Pipeline::Tonemap => {
+                    if let Some(inputs) = self.target.inputs(self.output, stage) {
+                        self.bind_set(layout, 1, inputs);
+                    }
+                    // SAFETY: the full-screen triangle reads no vertex buffer.
+                    unsafe { device.cmd_draw(raw, 3, 1, 0, 0) };
+                    self.recorded.draws += 1;
+                }
+            }
+        }
+    }
+
+    fn draw_surfaces(&mut self, pipeline: usize, layout: vk::PipelineLayout, bound: &mut BoundMesh) {
+        let scene = &self.renderer.scene;
+        let mut bound_material = None;
+        for batch in scene.batches_of(pipeline) {
+            if let Some(set) = batch.material_set.filter(|set| bound_material != Some(*set)) {
+                self.bind_set(layout, 1, scene.material_set(set));
+                bound_material = Some(set);
+            }
+            self.recorded.state_changes += scene.bind_mesh(self.recorder, batch, bound);
+            scene.draw(self.recorder, batch);
+            self.recorded.draws += 1;
+        }
+    }
+
+    fn bind_set(&mut self, layout: vk::PipelineLayout, index: u32, set: vk::DescriptorSet) {
+        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+        let point = vk::PipelineBindPoint::GRAPHICS;
+        // SAFETY: the set was allocated with the layout's n-th set layout, and all its bindings are written.
+        unsafe { device.cmd_bind_descriptor_sets(raw, point, layout, index, &[set], &[]) };
+        self.recorded.state_changes += 1;
+    }
+}

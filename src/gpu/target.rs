@@ -1,0 +1,200 @@
+//! What a frame is drawn to: the host's images, and the attachments that exist only while a pass runs.
+
+use ash::vk;
+
+use super::descriptor::{Content, DescriptorSets};
+use super::pipeline::{Family, Pipelines};
+use super::{Device, Image, ImageDesc, Owned, conv};
+use crate::plan::{Pipeline, Plan};
+use crate::{Error, Result};
+
+/// A host's image that frames are drawn to: of the plan's size and output format, one sample, one level, with at least
+/// the usage of the plan's first attachment. The host keeps image and view alive as long as the [`Target`].
+#[derive(Clone, Copy, Debug)]
+pub struct OutputImage {
+    /// The image.
+    pub image: vk::Image,
+    /// A 2D view of it with identity swizzle.
+    pub view: vk::ImageView,
+}
+
+/// Attachments, framebuffers and input descriptors for one or more output images of one size, e.g. those of a
+/// swapchain. The images share the other attachments, so frames to them must not overlap on the GPU: submitted to one
+/// queue they do not, because the passes' dependencies order them.
+pub struct Target {
+    outputs: Vec<OutputTarget>,
+    /// In the order of `Plan::attachments`; the output's place is empty.
+    attachments: Vec<Option<Image>>,
+    clear_values: Vec<Vec<vk::ClearValue>>,
+    extent: vk::Extent2D,
+}
+
+/// What depends on the output image.
+struct OutputTarget {
+    /// One per pass.
+    framebuffers: Vec<Owned<vk::Framebuffer>>,
+    sets: Option<DescriptorSets>,
+    /// By stage: the index of its set among `sets`.
+    set_of_stage: Vec<Option<usize>>,
+}
+
+impl Target {
+    pub(super) fn new(
+        device: &Device,
+        plan: &Plan,
+        passes: &[Owned<vk::RenderPass>],
+        pipelines: &Pipelines,
+        outputs: &[OutputImage],
+        capture: bool,
+    ) -> Result<Self> {
+        let size = plan.options.size;
+        let attachments = plan
+            .attachments
+            .iter()
+            .map(|a| {
+                if a.is_output {
+                    return Ok(None);
+                }
+                let desc = ImageDesc::new(&a.name, conv::format(a.format), size, conv::usage(a.usage));
+                let image = match a.transient {
+                    true => Image::transient(device, &desc, capture),
+                    false => Image::new(device, &desc),
+                };
+                image.map(Some)
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let extent = vk::Extent2D { width: size[0], height: size[1] };
+        let build = OutputBuilder { device, plan, passes, pipelines, attachments: &attachments, extent };
+        let outputs = outputs.iter().map(|o| build.build(o)).collect::<Result<_>>()?;
+        Ok(Self { outputs, attachments, clear_values: clear_values(plan), extent })
+    }
+
+    /// The number of output images.
+    pub fn output_count(&self) -> usize {
+        self.outputs.len()
+    }
+
+    /// The image of one of the plan's attachments; `None` for the output, which is the host's.
+    pub fn attachment(&self, index: usize) -> Option<&Image> {
+        self.attachments.get(index)?.as_ref()
+    }
+
+    pub(super) fn extent(&self) -> vk::Extent2D {
+        self.extent
+    }
+
+    pub(super) fn framebuffer(&self, output: usize, pass: usize) -> vk::Framebuffer {
+        self.outputs[output].framebuffers[pass].raw()
+    }
+
+    pub(super) fn clear_values(&self, pass: usize) -> &[vk::ClearValue] {
+        &self.clear_values[pass]
+    }
+
+    /// The input attachments of a stage.
+    pub(super) fn inputs(&self, output: usize, stage: usize) -> Option<vk::DescriptorSet> {
+        let output = &self.outputs[output];
+        Some(output.sets.as_ref()?.raw(output.set_of_stage[stage]?))
+    }
+}
+
+struct OutputBuilder<'a> {
+    device: &'a Device,
+    plan: &'a Plan,
+    passes: &'a [Owned<vk::RenderPass>],
+    pipelines: &'a Pipelines,
+    attachments: &'a [Option<Image>],
+    extent: vk::Extent2D,
+}
+
+impl OutputBuilder<'_> {
+    fn build(&self, output: &OutputImage) -> Result<OutputTarget> {
+        let view = |attachment: usize| self.attachments[attachment].as_ref().map_or(output.view, Image::view);
+        let mut framebuffers = Vec::new();
+        for (pass, raw) in self.plan.passes.iter().zip(self.passes) {
+            let views: Vec<_> = pass.attachments.iter().map(|a| view(a.attachment)).collect();
+            let info = vk::FramebufferCreateInfo::default()
+                .render_pass(raw.raw())
+                .attachments(&views)
+                .width(self.extent.width)
+                .height(self.extent.height)
+                .layers(1);
+            // SAFETY: views are alive and of the formats that the pass was made from.
+            framebuffers.push(unsafe { self.device.create_framebuffer(&info, &pass.name) }?);
+        }
+        let (sets, set_of_stage) = self.input_sets(&view)?;
+        Ok(OutputTarget { framebuffers, sets, set_of_stage })
+    }
+
+    fn input_sets(
+        &self,
+        view: &dyn Fn(usize) -> vk::ImageView,
+    ) -> Result<(Option<DescriptorSets>, Vec<Option<usize>>)> {
+        let mut set_of_stage = vec![None; self.plan.stage_count()];
+        let mut wanted = Vec::new();
+        for (stage, pipeline) in &self.plan.pipelines {
+            if matches!(pipeline, Pipeline::Surface(_)) {
+                continue;
+            }
+            let family = &self.pipelines.layouts[&Family::of(pipeline)];
+            set_of_stage[*stage] = Some(wanted.len());
+            wanted.push((family.sets[1].raw(), family.bindings[1].as_slice()));
+        }
+        let Some(sets) = DescriptorSets::new(self.device, &wanted, "input attachments")? else {
+            return Ok((None, set_of_stage));
+        };
+        for (stage, set) in set_of_stage.iter().enumerate().filter_map(|(s, set)| Some((s, (*set)?))) {
+            let (pass, _, subpass) = self.plan.subpass(stage);
+            for (binding, &input) in subpass.inputs.iter().enumerate() {
+                let attachment = self.plan.passes[pass].attachments[input].attachment;
+                let image = vk::DescriptorImageInfo::default()
+                    .image_view(view(attachment))
+                    .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+                let ty = vk::DescriptorType::INPUT_ATTACHMENT;
+                sets.write(set, binding as u32, ty, &Content::Images(vec![image]));
+            }
+        }
+        Ok((Some(sets), set_of_stage))
+    }
+}
+
+fn clear_values(plan: &Plan) -> Vec<Vec<vk::ClearValue>> {
+    let value = |attachment: &crate::plan::Attachment| {
+        let color = attachment.clear.unwrap_or_default();
+        match attachment.format.is_depth() {
+            true => {
+                vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: color[0], stencil: 0 } }
+            }
+            false => vk::ClearValue { color: vk::ClearColorValue { float32: color } },
+        }
+    };
+    let of_pass = |p: &crate::plan::Pass| {
+        p.attachments.iter().map(|a| value(&plan.attachments[a.attachment])).collect()
+    };
+    plan.passes.iter().map(of_pass).collect()
+}
+
+/// Checks that the device has every format for what the plan does with it.
+pub(super) fn check_formats(device: &Device, plan: &Plan) -> Result<()> {
+    for a in &plan.attachments {
+        // SAFETY: the physical device is alive.
+        let properties = unsafe {
+            device
+                .instance()
+                .get_physical_device_format_properties(device.physical_device(), conv::format(a.format))
+        };
+        let missing = conv::format_features(a.usage) & !properties.optimal_tiling_features;
+        if !missing.is_empty() {
+            return Err(Error::unsupported(
+                format!(
+                    "attachment {} needs format {} with {missing:?}, which '{}' lacks",
+                    a.name,
+                    a.format,
+                    device.caps().name
+                ),
+                "choose another --layout or output format",
+            ));
+        }
+    }
+    Ok(())
+}

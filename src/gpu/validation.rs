@@ -1,0 +1,67 @@
+//! Collects what the validation layer says.
+
+use ash::vk;
+use std::ffi::{CStr, c_void};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Messages of one instance, in order; shared, so that they outlive it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Messages(Arc<Mutex<Vec<String>>>);
+
+impl Messages {
+    pub(super) fn push(&self, message: String) {
+        log::warn!("{message}");
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(message);
+    }
+
+    pub(super) fn all(&self) -> Vec<String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// A description of the messenger, for an instance's or a messenger's creation.
+    ///
+    /// The messages must stay alive (any clone of them at a stable address: this one) as long as what is created.
+    pub(super) fn messenger_info(self: &Box<Self>) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
+        let user_data: *const Self = &**self;
+        vk::DebugUtilsMessengerCreateInfoEXT::default()
+            .message_severity(
+                vk::DebugUtilsMessageSeverityFlagsEXT::WARNING | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
+            )
+            // GENERAL would be the loader's remarks about drivers that it skips.
+            .message_type(
+                vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
+                    | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
+            )
+            .pfn_user_callback(Some(collect))
+            .user_data(user_data.cast_mut().cast())
+    }
+}
+
+unsafe extern "system" fn collect(
+    severity: vk::DebugUtilsMessageSeverityFlagsEXT,
+    types: vk::DebugUtilsMessageTypeFlagsEXT,
+    data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
+    user_data: *mut c_void,
+) -> vk::Bool32 {
+    // SAFETY: `messenger_info` passed a `Messages` that its owner keeps until the instance is gone.
+    let messages = unsafe { &*user_data.cast_const().cast::<Messages>() };
+    // SAFETY: the layer passes valid data for the duration of the call.
+    let data = unsafe { &*data };
+    let text = |s: *const std::ffi::c_char| match s.is_null() {
+        true => String::new(),
+        // SAFETY: a non-null text of the layer is NUL-terminated and valid during the call.
+        false => unsafe { CStr::from_ptr(s) }.to_string_lossy().into_owned(),
+    };
+    let (id, message) = (text(data.p_message_id_name), text(data.p_message));
+    if is_about_ourselves(&id, &message) {
+        return vk::FALSE;
+    }
+    messages.push(format!("{severity:?} {types:?} {id}: {message}"));
+    vk::FALSE
+}
+
+/// Best practices advise against the very extensions that validating takes; nothing else is ever left out.
+fn is_about_ourselves(id: &str, message: &str) -> bool {
+    let ours = ["VK_EXT_debug_utils", "VK_EXT_validation_features", "VK_EXT_layer_settings"];
+    id.contains("specialuse-extension") && ours.iter().any(|extension| message.contains(extension))
+}
