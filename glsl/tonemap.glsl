@@ -12,12 +12,10 @@ vec3 tonemap_neutral(vec3 color) {
 
     float low = min(color.r, min(color.g, color.b));
     color -= low < 2.0 * fresnel ? low - low * low / (4.0 * fresnel) : fresnel;
-    float peak = max(color.r, max(color.g, color.b));
-    if (peak < start) {
-        return color;
-    }
+    // The curve begins at `start`; there `compressed` is `peak` and `white` is 0, so that no branch is needed.
+    float peak = max(start, max(color.r, max(color.g, color.b)));
     const float room = 1.0 - start;
-    float compressed = 1.0 - room * room / (peak + room - start);
+    float compressed = 1.0 - room * room / (peak - start + room);
     float white = 1.0 - 1.0 / (desaturation * (peak - compressed) + 1.0);
     return mix(color * (compressed / peak), vec3(compressed), white);
 }
