@@ -13,11 +13,11 @@ const float DIELECTRIC_F0 = 0.04;
 const float MIN_N_DOT_V = 1e-4;
 
 // GGX (Trowbridge and Reitz 1975; Walter et al. 2007, equation 33). 1 - (n.h)^2 is taken as |n x h|^2, since the
-// difference cancels where the lobe of a smooth surface is steepest.
+// difference cancels where the lobe of a smooth surface is steepest. No microfacet faces below the surface.
 float d_ggx(float n_dot_h, vec3 n_cross_h, float alpha) {
     float a2 = alpha * alpha;
     float f = n_dot_h * n_dot_h * a2 + dot(n_cross_h, n_cross_h);
-    return a2 / (PI * f * f);
+    return float(n_dot_h > 0.0) * a2 / (PI * f * f);
 }
 
 // G / (4 (n.l) (n.v)), height-correlated Smith (Heitz 2014, equation 99). With n.v >= MIN_N_DOT_V and

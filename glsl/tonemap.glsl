@@ -10,14 +10,13 @@ vec3 tonemap_neutral(vec3 color) {
     const float start = 0.8 - fresnel;
     const float desaturation = 0.15;
 
-    float low = min(color.r, min(color.g, color.b));
-    color -= low < 2.0 * fresnel ? low - low * low / (4.0 * fresnel) : fresnel;
-    float peak = max(color.r, max(color.g, color.b));
-    if (peak < start) {
-        return color;
-    }
+    // Both pieces of the curve meet their neighbours where their argument is clamped, so that no branch is needed:
+    // the toe is `fresnel` from 2 * fresnel on, and at `start` compressed is peak and white is 0.
+    float low = min(2.0 * fresnel, min(color.r, min(color.g, color.b)));
+    color -= low - low * low / (4.0 * fresnel);
+    float peak = max(start, max(color.r, max(color.g, color.b)));
     const float room = 1.0 - start;
-    float compressed = 1.0 - room * room / (peak + room - start);
+    float compressed = 1.0 - room * room / (peak - start + room);
     float white = 1.0 - 1.0 / (desaturation * (peak - compressed) + 1.0);
     return mix(color * (compressed / peak), vec3(compressed), white);
 }

@@ -152,3 +152,28 @@ impl OutputConstants {
         ])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn textures_become_slots_and_bits() {
+        let texture =
+            |slot, second_texcoord, transformed| Some(TextureSlot { slot, second_texcoord, transformed });
+        let constants = GeometryConstants {
+            textures: [texture(0, false, true), None, texture(2, true, false), texture(1, true, true), None],
+            ..Default::default()
+        };
+        let Specialization { ids, data } = constants.specialization();
+        let value = |id| data[ids.iter().position(|i| *i == id).unwrap()];
+        assert_eq!(value(shared("ID_TEXTURE_COUNT")), 3);
+        assert_eq!(value(shared("ID_SLOT_BASE_COLOR")), 0);
+        assert_eq!(value(shared("ID_SLOT_METALLIC_ROUGHNESS")) as i32, -1);
+        assert_eq!(value(shared("ID_SLOT_NORMAL")), 2);
+        assert_eq!(value(shared("ID_SLOT_OCCLUSION")), 1);
+        assert_eq!(value(shared("ID_SLOT_EMISSIVE")) as i32, -1);
+        assert_eq!(value(shared("ID_TEXCOORD_BITS")), 0b01100);
+        assert_eq!(value(shared("ID_TRANSFORM_BITS")), 0b01001);
+    }
+}
