@@ -3,7 +3,9 @@
 #![deny(missing_docs)]
 
 mod error;
+pub mod file;
 pub mod measure;
+pub mod picture;
 pub mod plan;
 pub mod reference;
 pub mod scene;
