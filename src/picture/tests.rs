@@ -18,6 +18,7 @@ fn png_returns_every_byte() {
     assert_eq!(Picture::read(&path).unwrap(), picture);
 }
 
+#[cfg(feature = "cli")]
 #[test]
 fn exr_returns_every_bit() {
     let folder = tempfile::tempdir().unwrap();
@@ -39,6 +40,15 @@ fn exr_returns_every_bit() {
     assert_eq!(bits(&back), bits(&channels));
 }
 
+#[cfg(feature = "cli")]
+#[test]
+fn exr_without_alpha_is_opaque() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rgb.exr");
+    image::Rgb32FImage::from_raw(1, 1, vec![5.5, -2.0, 0.1]).unwrap().save(&path).unwrap();
+    assert_eq!(Picture::read(&path).unwrap(), rgba32f(1, 1, &[5.5, -2.0, 0.1, 1.0]));
+}
+
 #[test]
 fn other_layouts_become_rgba() {
     let folder = tempfile::tempdir().unwrap();
@@ -46,9 +56,6 @@ fn other_layouts_become_rgba() {
 
     image::GrayImage::from_raw(2, 1, vec![7, 200]).unwrap().save(at("grey.png")).unwrap();
     assert_eq!(Picture::read(&at("grey.png")).unwrap(), rgba8(2, 1, &[7, 7, 7, 255, 200, 200, 200, 255]));
-
-    image::Rgb32FImage::from_raw(1, 1, vec![5.5, -2.0, 0.1]).unwrap().save(at("rgb.exr")).unwrap();
-    assert_eq!(Picture::read(&at("rgb.exr")).unwrap(), rgba32f(1, 1, &[5.5, -2.0, 0.1, 1.0]));
 
     // Encoded 0.5 is linear 0.21404114 (IEC 61966-2-1); 32768 / 65535 is 7.6e-6 above it.
     let deep = image::ImageBuffer::<image::Rgba<u16>, _>::from_raw(1, 1, vec![32768u16, 0, 65535, 65535]);
@@ -63,7 +70,7 @@ fn srgb_transfer_has_the_standards_values() {
     // By hand from IEC 61966-2-1: ((0.5 + 0.055) / 1.055)^2.4, and the linear toe 10 / 255 / 12.92.
     const SINGLE_PRECISION: f32 = 1e-6;
     assert!((linear_from_srgb(0.5) - 0.214_041_14).abs() < SINGLE_PRECISION);
-    assert!((linear_from_srgb(10.0 / 255.0) - 0.003_035_269_8).abs() < SINGLE_PRECISION);
+    assert!((linear_from_srgb(10.0 / 255.0) - 0.003_035_27).abs() < SINGLE_PRECISION);
     assert!((srgb_from_linear(0.18) - 0.461_356_1).abs() < SINGLE_PRECISION);
     assert_eq!(linear_from_srgb(1.0), 1.0);
 }
@@ -110,8 +117,12 @@ fn unreadable_files_are_errors_that_name_them() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     rgba8(8, 8, &[9; 256]).write(&at("whole.png")).unwrap();
-    rgba32f(8, 8, &[9.0; 256]).write(&at("whole.exr")).unwrap();
-    for extension in ["png", "exr"] {
+    let mut extensions = vec!["png"];
+    if cfg!(feature = "cli") {
+        rgba32f(8, 8, &[9.0; 256]).write(&at("whole.exr")).unwrap();
+        extensions.push("exr");
+    }
+    for extension in extensions {
         let whole = std::fs::read(at(&format!("whole.{extension}"))).unwrap();
         let cut = at(&format!("cut.{extension}"));
         for kept in [0, 7, whole.len() / 2, whole.len() - 20] {

@@ -11,7 +11,7 @@ fn rgba32f(pixels: &[[f32; 4]]) -> Picture {
 
 /// A picture with structure in every window: a lattice on a slope.
 fn textured(x: u32, y: u32) -> [u8; 4] {
-    let lattice = if (x / 2 + y / 3) % 2 == 0 { 40 } else { 0 };
+    let lattice = if (x / 2 + y / 3).is_multiple_of(2) { 40 } else { 0 };
     [(60 + 3 * x + lattice) as u8, (60 + 2 * y + lattice) as u8, (90 + x + y) as u8, 255]
 }
 
