@@ -1,2 +1,7 @@
-//! placeholder
-fn main() {}
+//! The `ontile` program.
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

@@ -1,1 +1,11 @@
-//! Error metrics between pictures.
+//! How far pictures are from each other.
+
+#[cfg(feature = "cli")]
+mod compare;
+mod false_color;
+pub mod metrics;
+mod pairs;
+
+#[cfg(feature = "cli")]
+pub use compare::{ChannelError, Comparison, Unit, compare};
+pub use false_color::{NON_FINITE_RGB, false_color, magma};

@@ -1,0 +1,151 @@
+//! Flags that several commands share, and the types of their values.
+
+use std::fmt::Display;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
+use ontile::picture::FileFormat;
+use ontile::plan::{Layout, Options, OutputFormat, Strategy, Tonemap};
+
+/// What is looked at.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Scene")]
+pub struct SceneArgs {
+    /// The scene: a glTF 2.0 file, .gltf or .glb
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// The camera, by its number in the file (from 0) or its name [default: 0; a scene without cameras gets one
+    /// that frames it]
+    #[arg(long, value_name = "N|NAME")]
+    pub camera: Option<String>,
+    /// Light from every direction alike, in cd/m² [default: the scene's own]
+    #[arg(long, value_name = "RADIANCE", value_parser = radiance, allow_negative_numbers = true)]
+    pub ambient: Option<f32>,
+}
+
+/// How the frame is built.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Frame")]
+pub struct PlanArgs {
+    /// Width and height of the picture, in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720")]
+    pub size: Size,
+    /// How stages become render passes: subpasses of one pass that stays on the tile, or separate passes that
+    /// store and load every attachment
+    #[arg(long, default_value_t = Strategy::Subpasses, value_parser = named(Strategy::ALL, Strategy::name))]
+    pub strategy: Strategy,
+    /// The G-buffer's layout
+    #[arg(long, value_name = "NAME", default_value_t = Layout::Metallic128, value_parser = named(Layout::ALL, Layout::name))]
+    pub layout: Layout,
+    /// The curve from scene light to display light; linear is none
+    #[arg(long, default_value_t = Tonemap::Neutral, value_parser = named(Tonemap::ALL, Tonemap::name))]
+    pub tonemap: Tonemap,
+    /// Exposure in EV (stops): multiplies light by 2^EV before the tone curve
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
+    pub exposure: f32,
+    /// Add half a step of ordered noise before rounding to 8 bits [default: off]
+    #[arg(long)]
+    pub dither: bool,
+    /// Give every attachment its own memory, even where lifetimes do not overlap [default: share]
+    #[arg(long)]
+    pub no_recycle: bool,
+    /// Keep lighting and tonemap apart, even where nothing needs the light target [default: merge them]
+    #[arg(long)]
+    pub no_fold: bool,
+}
+
+impl PlanArgs {
+    /// The library's options for a final image of this format.
+    pub fn options(&self, output: OutputFormat) -> Options {
+        Options {
+            size: self.size.0,
+            strategy: self.strategy,
+            layout: self.layout,
+            tonemap: self.tonemap,
+            output,
+            recycle: !self.no_recycle,
+            fold: !self.no_fold,
+            dither: self.dither,
+            ..Options::default()
+        }
+    }
+}
+
+/// Width and height in pixels, typed as `1280x720`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size(pub [u32; 2]);
+
+impl Size {
+    /// No Vulkan implementation in use has larger images (maxImageDimension2D).
+    const MAX_PX: u32 = 32768;
+}
+
+impl Display for Size {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}x{}", self.0[0], self.0[1])
+    }
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let digits = |part: &str| part.bytes().all(|b| b.is_ascii_digit()).then(|| part.parse().ok())?;
+        let size = text.split_once('x').and_then(|(w, h)| Some([digits(w)?, digits(h)?]));
+        match size {
+            Some(size) if size.iter().all(|side| (1..=Self::MAX_PX).contains(side)) => Ok(Self(size)),
+            Some(_) => Err(format!("width and height go from 1 to {}", Self::MAX_PX)),
+            None => Err("give width and height in pixels, as in 1280x720".into()),
+        }
+    }
+}
+
+/// Where a rendered picture goes; its extension decides the final image's format.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Output {
+    pub path: PathBuf,
+    pub format: FileFormat,
+}
+
+impl Output {
+    /// Parses any path, also one that is not Unicode.
+    pub fn parser() -> impl TypedValueParser<Value = Self> {
+        PathBufValueParser::new().try_map(|path| {
+            let format = FileFormat::from_path(&path)?;
+            Ok::<_, ontile::Error>(Self { path, format })
+        })
+    }
+
+    /// The attachment format whose pixels the file can hold.
+    pub fn image_format(&self) -> OutputFormat {
+        match self.format {
+            FileFormat::Png => OutputFormat::Rgba8Srgb,
+            FileFormat::Exr => OutputFormat::Rgba32Float,
+        }
+    }
+}
+
+/// A parser for one of the library's named enums that lists the names in help and errors.
+fn named<T>(all: &'static [T], name: fn(T) -> &'static str) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr<Err = String> + Copy + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(all.iter().map(|&value| name(value))).try_map(|typed| typed.parse::<T>())
+}
+
+fn exposure(text: &str) -> Result<f32, String> {
+    const MAX_EV: f32 = 64.0;
+    match text.parse::<f32>() {
+        Ok(ev) if ev.abs() <= MAX_EV => Ok(ev),
+        _ => Err(format!("give a number of stops from -{MAX_EV} to {MAX_EV}")),
+    }
+}
+
+fn radiance(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(nt) if nt >= 0.0 && nt.is_finite() => Ok(nt),
+        _ => Err("give a radiance in cd/m², 0 or more".into()),
+    }
+}

@@ -1,0 +1,57 @@
+//! The command line: what was typed, done and told.
+
+mod args;
+mod compare;
+mod info;
+mod plan;
+mod print;
+#[cfg_attr(not(test), expect(dead_code, reason = "not in `Command` yet"))]
+mod progress;
+#[cfg_attr(not(test), expect(dead_code, reason = "not in `Command` yet"))]
+mod render;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Deferred shading that never leaves the tile: G-buffer, lighting and tonemap in one Vulkan render pass.
+#[derive(Debug, Parser)]
+#[command(name = "ontile", version, arg_required_else_help = true, after_help = EXIT_STATUS)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXIT_STATUS: &str = "\
+Exit status: 0 done, 1 failed with one message on standard error, 2 wrong usage.
+'ontile COMMAND --help' explains a command and gives examples.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Compare(compare::CompareArgs),
+}
+
+/// Runs the program with the process's arguments.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(usage) => {
+            // Help, version or a usage error; nobody is left to tell if it cannot be printed.
+            let _ = usage.print();
+            return ExitCode::from(usage.exit_code() as u8);
+        }
+    };
+    let done = match &cli.command {
+        Command::Compare(args) => compare::run(args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            print::error(&error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,33 @@
+//! What goes to standard output and standard error.
+
+use std::fmt::Display;
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
+
+use ontile::{Error, Result};
+use serde::Serialize;
+
+/// Prints a value for people, or as JSON for programs.
+///
+/// A reader that went away early (`ontile ... | head -1`) has what it wanted: that is no error.
+pub fn value<T: Display + Serialize>(value: &T, json: bool) -> Result<()> {
+    let text = if json {
+        serde_json::to_string_pretty(value)
+            .map_err(|e| Error::io(Path::new("standard output"), "write", e.into()))?
+    } else {
+        value.to_string()
+    };
+    let mut out = io::stdout().lock();
+    match writeln!(out, "{text}").and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::io(Path::new("standard output"), "write", e))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The one message of a run that failed.
+pub fn error(error: &Error) {
+    // Nobody is left to tell if standard error is closed.
+    let _ = writeln!(io::stderr(), "ontile: {error}");
+}

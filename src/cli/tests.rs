@@ -1,0 +1,187 @@
+use std::ffi::OsString;
+
+use clap::{Args, CommandFactory, FromArgMatches};
+use ontile::picture::{FileFormat, Picture, Pixels};
+use ontile::plan::{Layout, Options, OutputFormat, Strategy, Tonemap};
+
+use super::info::InfoArgs;
+use super::plan::PlanCommandArgs;
+use super::progress::Progress;
+use super::render::{self, RenderArgs};
+
+fn command<T: Args>() -> clap::Command {
+    T::augment_args(clap::Command::new("ontile"))
+}
+
+fn parse<T: Args>(line: &str) -> Result<T, clap::Error> {
+    let words = std::iter::once("ontile").chain(line.split_whitespace());
+    let matches = command::<T>().try_get_matches_from(words)?;
+    Ok(T::from_arg_matches(&matches).unwrap())
+}
+
+fn usage_error<T: Args + std::fmt::Debug>(line: &str) -> String {
+    let error = parse::<T>(line).unwrap_err();
+    assert_eq!(error.exit_code(), 2, "{line}");
+    error.to_string()
+}
+
+#[test]
+fn definitions_are_sound() {
+    super::Cli::command().debug_assert();
+    command::<RenderArgs>().debug_assert();
+    command::<PlanCommandArgs>().debug_assert();
+    command::<InfoArgs>().debug_assert();
+}
+
+#[test]
+fn defaults_are_the_librarys() {
+    let args: RenderArgs = parse("scene.glb -o out.png").unwrap();
+    assert_eq!(args.options(), Options::default());
+    assert_eq!(args.scene.scene.to_str(), Some("scene.glb"));
+    assert_eq!((args.scene.camera, args.scene.ambient), (None, None));
+    assert_eq!((args.run.frames, args.run.report, args.run.device), (1, None, None));
+    assert!(!args.run.validate && !args.run.capture);
+    assert_eq!(args.plan.exposure, 0.0);
+}
+
+#[test]
+fn every_flag_arrives() {
+    let args: RenderArgs = parse(
+        "scene.gltf -o out.EXR --size 640x360 --camera north --strategy separate --layout exact --tonemap aces \
+         --exposure -2.5 --ambient 30 --frames 9 --report r.json --device llvm --validate --capture --dither \
+         --no-recycle --no-fold",
+    )
+    .unwrap();
+    let expected = Options {
+        size: [640, 360],
+        strategy: Strategy::Separate,
+        layout: Layout::Exact,
+        tonemap: Tonemap::Aces,
+        output: OutputFormat::Rgba32Float,
+        recycle: false,
+        fold: false,
+        dither: true,
+        ..Options::default()
+    };
+    assert_eq!(args.options(), expected);
+    assert_eq!(args.output.format, FileFormat::Exr);
+    assert_eq!((args.plan.exposure, args.scene.ambient), (-2.5, Some(30.0)));
+    assert_eq!(args.scene.camera.as_deref(), Some("north"));
+    assert_eq!((args.run.frames, args.run.device.as_deref()), (9, Some("llvm")));
+    assert_eq!(args.run.report.unwrap().to_str(), Some("r.json"));
+    assert!(args.run.validate && args.run.capture);
+}
+
+#[test]
+fn plan_takes_the_same_scene_and_frame_flags() {
+    let line = "s.glb --size 8x9 --camera 1 --strategy separate --layout exact --tonemap linear --exposure 1 \
+                --ambient 0 --dither --no-recycle --no-fold";
+    let plan: PlanCommandArgs = parse(&format!("{line} --json")).unwrap();
+    let render: RenderArgs = parse(&format!("{line} -o o.png")).unwrap();
+    assert!(plan.json);
+    assert_eq!(plan.plan.options(OutputFormat::Rgba8Srgb), render.options());
+    assert_eq!(plan.scene.scene, render.scene.scene);
+    assert_eq!(plan.scene.camera, render.scene.camera);
+    assert_eq!(plan.scene.ambient, Some(0.0));
+    assert!(parse::<InfoArgs>("--json").unwrap().json);
+}
+
+#[test]
+fn usage_errors_say_what_is_right() {
+    let cases = [
+        ("s.glb", "--output"),
+        ("-o o.png", "SCENE"),
+        ("s.glb -o o.bmp", "use .png (8 bits, sRGB) or .exr"),
+        ("s.glb -o out", "use .png (8 bits, sRGB) or .exr"),
+        ("s.glb -o o.png --size 640", "as in 1280x720"),
+        ("s.glb -o o.png --size 640x", "as in 1280x720"),
+        ("s.glb -o o.png --size +6x4", "as in 1280x720"),
+        ("s.glb -o o.png --size 0x360", "from 1 to 32768"),
+        ("s.glb -o o.png --size 640x40000", "from 1 to 32768"),
+        ("s.glb -o o.png --size 640x99999999999", "as in 1280x720"),
+        ("s.glb -o o.png --layout fat", "metallic128, exact"),
+        ("s.glb -o o.png --tonemap agx", "neutral, aces, reinhard, linear"),
+        ("s.glb -o o.png --strategy subpass", "subpasses, separate"),
+        ("s.glb -o o.png --exposure NaN", "from -64 to 64"),
+        ("s.glb -o o.png --exposure bright", "from -64 to 64"),
+        ("s.glb -o o.png --ambient -1", "0 or more"),
+        ("s.glb -o o.png --ambient inf", "0 or more"),
+        ("s.glb -o o.png --frames 0", "--frames"),
+        ("s.glb -o o.png --unknown", "--unknown"),
+    ];
+    for (line, expected) in cases {
+        let message = usage_error::<RenderArgs>(line);
+        assert!(message.contains(expected), "{line}: {message}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn paths_need_not_be_unicode() {
+    use std::os::unix::ffi::OsStringExt;
+    let path = OsString::from_vec(b"out-\xff.png".to_vec());
+    let words = ["ontile".into(), "s.glb".into(), "-o".into(), path.clone()];
+    let matches = command::<RenderArgs>().try_get_matches_from(words).unwrap();
+    assert_eq!(RenderArgs::from_arg_matches(&matches).unwrap().output.path.as_os_str(), path);
+}
+
+#[test]
+fn help_explains_every_flag_with_its_default() {
+    for mut command in [command::<RenderArgs>(), command::<PlanCommandArgs>(), command::<InfoArgs>()] {
+        let help = command.render_long_help().to_string();
+        assert!(help.contains("Examples:\n  ontile "), "{help}");
+        for arg in command.get_arguments() {
+            let id = arg.get_id();
+            assert!(arg.get_help().is_some(), "{id} has no help");
+            if let Some(long) = arg.get_long() {
+                assert!(help.contains(&format!("--{long}")), "{id} is missing in:\n{help}");
+            }
+            let says_default = help_of(arg).contains("[default: ") || !arg.get_default_values().is_empty();
+            let needs_default = !arg.is_required_set() && id != "json" && id != "help";
+            assert!(says_default || !needs_default, "{id} does not say its default");
+        }
+    }
+}
+
+fn help_of(arg: &clap::Arg) -> String {
+    arg.get_long_help().or(arg.get_help()).map(ToString::to_string).unwrap_or_default()
+}
+
+#[test]
+fn render_writes_picture_and_report_or_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let picture = Picture { width: 1, height: 1, pixels: Pixels::Rgba8(vec![1, 2, 3, 4]) };
+    let render = |output: &str, report: &str, fails: bool| {
+        let args = parse(&format!("s.glb -o {} --report {}", at(output), at(report))).unwrap();
+        let mut called = false;
+        let done = render::run(&args, |_| {
+            called = true;
+            let failure = || ontile::Error::unsupported("nothing works", "give up");
+            if fails { Err(failure()) } else { Ok((picture.clone(), serde_json::json!({"passes": 1}))) }
+        });
+        (done.map_err(|e| e.to_string()), called)
+    };
+    let files = || std::fs::read_dir(folder.path()).unwrap().count();
+
+    for (output, report) in [("absent/o.png", "r.json"), ("o.png", "absent/r.json")] {
+        let (done, called) = render(output, report, false);
+        assert!(done.unwrap_err().contains("its folder does not exist"));
+        assert!(!called, "long work was done for nothing");
+    }
+    assert_eq!(render("o.png", "r.json", true).0.unwrap_err(), "nothing works; give up");
+    assert_eq!(files(), 0);
+
+    render("o.png", "r.json", false).0.unwrap();
+    assert_eq!(Picture::read(&folder.path().join("o.png")).unwrap(), picture);
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(at("r.json")).unwrap()).unwrap();
+    assert_eq!(report["passes"], 1);
+    assert_eq!(files(), 2);
+}
+
+#[test]
+fn progress_can_be_made_stepped_and_dropped_anywhere() {
+    let steps = Progress::of_steps("Rendering", 3);
+    (0..5).for_each(|_| steps.step());
+    drop(Progress::of("Loading"));
+}

@@ -1,0 +1,159 @@
+//! The program as a user meets it: exit status, standard output, standard error, files.
+
+#![cfg(feature = "cli")]
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use ontile::picture::{Picture, Pixels};
+
+fn ontile(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_ontile")).args(args).current_dir(folder).output().unwrap()
+}
+
+/// The output of a run that has to end with `status`; failures have one message and print nothing else.
+#[track_caller]
+fn expect(folder: &Path, status: i32, args: &[&str]) -> String {
+    let output = ontile(folder, args);
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    let (out, err) = (text(output.stdout), text(output.stderr));
+    assert_eq!(output.status.code(), Some(status), "{args:?}\n{out}\n{err}");
+    match status {
+        0 => assert_eq!(err, "", "{args:?}"),
+        1 => {
+            assert!(err.starts_with("ontile: "), "{args:?}: {err}");
+            assert_eq!((err.lines().count(), out.as_str()), (1, ""), "{args:?}: {err}");
+        }
+        _ => assert_eq!(out, "", "{args:?}"),
+    }
+    if status == 0 { out } else { err }
+}
+
+fn rgba8(width: u32, height: u32, red: impl Fn(u32) -> u8) -> Picture {
+    let pixels = (0..width * height).flat_map(|i| [red(i), 50, 60, 255]).collect();
+    Picture { width, height, pixels: Pixels::Rgba8(pixels) }
+}
+
+/// `a.png`, `b.png` (red is one step higher), `wide.png`, `a.exr`, `half.png` (a mask for the left half).
+fn pictures() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let a = rgba8(16, 16, |i| (i % 16) as u8 * 8);
+    a.write(&at("a.png")).unwrap();
+    a.to_linear().write(&at("a.exr")).unwrap();
+    rgba8(16, 16, |i| (i % 16) as u8 * 8 + 1).write(&at("b.png")).unwrap();
+    rgba8(32, 16, |_| 0).write(&at("wide.png")).unwrap();
+    let left = (0..256).flat_map(|i| if i % 16 < 8 { [255; 4] } else { [0, 0, 0, 255] }).collect();
+    Picture { width: 16, height: 16, pixels: Pixels::Rgba8(left) }.write(&at("half.png")).unwrap();
+    std::fs::write(at("text.png"), "no picture").unwrap();
+    folder
+}
+
+#[test]
+fn compare_tells_people_and_programs() {
+    let folder = pictures();
+    let text = expect(folder.path(), 0, &["compare", "a.png", "b.png"]);
+    // Red differs by one step of 255 and green and blue do not: 10 log10(255² * 3) = 52.90 dB.
+    for expected in ["16x16, 256 compared", "256 (100.000 %)", "52.90 dB", "SSIM"] {
+        assert!(text.contains(expected), "{expected} is missing in:\n{text}");
+    }
+    let json = expect(folder.path(), 0, &["compare", "a.png", "b.png", "--json", "--mask", "half.png"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["compared_pixels"], 128);
+    assert_eq!(json["differing_pixels"], 128);
+    assert_eq!(json["channels"][0]["max"], 1.0);
+    assert_eq!(json["channels"][1]["max"], 0.0);
+    assert_eq!(json["unit"], "8-bit steps");
+}
+
+#[test]
+fn compare_knows_identical_pictures() {
+    let folder = pictures();
+    assert!(expect(folder.path(), 0, &["compare", "a.exr", "a.exr"]).contains("identical"));
+    let json = expect(folder.path(), 0, &["compare", "a.png", "a.png", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["identical"], true);
+    assert!(json["psnr_db"].is_null());
+    assert_eq!(json["ssim"], 1.0);
+}
+
+#[test]
+fn compare_paints_where_pictures_differ() {
+    let folder = pictures();
+    expect(folder.path(), 0, &["compare", "a.png", "b.png", "--mask", "half.png", "--picture", "where.png"]);
+    let Pixels::Rgba8(channels) = Picture::read(&folder.path().join("where.png")).unwrap().pixels else {
+        panic!("8 bits expected")
+    };
+    assert_eq!(channels[..4], [252, 253, 191, 255], "the left half differs most");
+    assert_eq!(channels[8 * 4..9 * 4], [0, 0, 4, 255], "the right half does not count");
+}
+
+#[test]
+fn failures_are_one_message_and_status_1() {
+    let folder = pictures();
+    let cases: [(&[&str], &str); 6] = [
+        (&["absent.png", "a.png"], "absent.png: cannot read: No such file"),
+        (&["a.png", "text.png"], "text.png: picture: "),
+        (&["a.png", "wide.png"], "the pictures differ in size: 16x16 and 32x16"),
+        (&["a.png", "a.exr"], "8 bits a channel"),
+        (&["a.png", "b.png", "--mask", "wide.png"], "the mask is 32x16"),
+        (&["a.png", "b.png", "--picture", "absent/where.png"], "absent/where.png: cannot write"),
+    ];
+    for (args, expected) in cases {
+        let message = expect(folder.path(), 1, &[&["compare"], args].concat());
+        assert!(message.contains(expected), "{message}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 6, "a failure left a file behind");
+}
+
+#[test]
+fn wrong_usage_is_status_2() {
+    let folder = pictures();
+    let cases: [(&[&str], &str); 5] = [
+        (&[], "Usage: ontile"),
+        (&["paint"], "paint"),
+        (&["compare", "a.png"], "<B>"),
+        (&["compare", "a.png", "b.png", "--loud"], "--loud"),
+        (&["compare", "a.png", "b.png", "--picture", "where.jpg"], "name it .png"),
+    ];
+    for (args, expected) in cases {
+        let message = expect(folder.path(), 2, args);
+        assert!(message.contains(expected), "{args:?}: {message}");
+    }
+}
+
+#[test]
+fn help_names_every_flag() {
+    let folder = pictures();
+    let help = expect(folder.path(), 0, &["--help"]);
+    for expected in ["compare", "Exit status: 0", "--version"] {
+        assert!(help.contains(expected), "{expected} is missing in:\n{help}");
+    }
+    let help = expect(folder.path(), 0, &["compare", "--help"]);
+    for expected in ["<A>", "<B>", "--json", "--mask", "--picture", "Examples:\n  ontile compare "] {
+        assert!(help.contains(expected), "{expected} is missing in:\n{help}");
+    }
+    assert!(expect(folder.path(), 0, &["--version"]).starts_with("ontile "));
+}
+
+/// A reader that left is no failure; a full disk is one.
+#[cfg(target_os = "linux")]
+#[test]
+fn standard_output_may_break() {
+    let folder = pictures();
+    let run = |out: Stdio, args: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_ontile"));
+        command.args(args).current_dir(folder.path()).stdout(out).stderr(Stdio::piped()).output().unwrap()
+    };
+    for args in [&["compare", "a.png", "b.png"][..], &["compare", "--help"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = run(writer.into(), args);
+        assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &b""[..]), "{args:?}");
+    }
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output = run(full.into(), &["compare", "a.png", "b.png"]);
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.starts_with("ontile: standard output: cannot write"), "{message}");
+}
