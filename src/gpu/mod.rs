@@ -15,36 +15,36 @@
 //! recording state, a host's or our own. Nothing here waits for the GPU except [`Commands`].
 
 mod buffer;
-//TMP mod cache;
+mod cache;
 mod caps;
 mod command;
 mod device;
-//TMP mod geometry;
+mod geometry;
 mod headless;
 mod image;
 mod info;
 mod memory;
 mod owned;
-//TMP mod query;
+mod query;
 mod readback;
-//TMP mod texture;
+mod texture;
 mod upload;
 mod validation;
 
 pub use buffer::{Buffer, BufferDesc};
-//TMP pub use cache::PipelineCache;
+pub use cache::PipelineCache;
 pub use caps::{Caps, DeviceType, MemoryType};
 pub use command::{Commands, Label, Recorder};
 pub use device::{Device, Features, HostDevice};
-//TMP pub use geometry::{Geometry, IndexWidth, MeshRange, StreamGroup, StreamKind, Streams};
+pub use geometry::{Geometry, IndexWidth, MeshRange, StreamGroup, StreamKind, Streams};
 pub use headless::{Headless, HeadlessOptions};
 pub use image::{Image, ImageDesc};
 pub use info::devices;
 pub use memory::MemoryUse;
 pub use owned::{Live, Object, Owned};
-//TMP pub use query::{PipelineStatistics, Queries, QueryResults};
+pub use query::{PipelineStatistics, Queries, QueryResults};
 pub use readback::{Readback, texel_bytes};
-//TMP pub use texture::{ColorEncoding, SamplerCache, TextureKey, Textures};
+pub use texture::{ColorEncoding, SamplerCache, TextureKey, Textures};
 pub use upload::Upload;
 
 use crate::{Error, Result};

@@ -53,6 +53,15 @@ unsafe extern "system" fn collect(
         false => unsafe { CStr::from_ptr(s) }.to_string_lossy().into_owned(),
     };
     let (id, message) = (text(data.p_message_id_name), text(data.p_message));
+    if is_about_ourselves(&id, &message) {
+        return vk::FALSE;
+    }
     messages.push(format!("{severity:?} {types:?} {id}: {message}"));
     vk::FALSE
+}
+
+/// Best practices advise against the very extensions that validating takes; nothing else is ever left out.
+fn is_about_ourselves(id: &str, message: &str) -> bool {
+    let ours = ["VK_EXT_debug_utils", "VK_EXT_validation_features", "VK_EXT_layer_settings"];
+    id.contains("specialuse-extension") && ours.iter().any(|extension| message.contains(extension))
 }

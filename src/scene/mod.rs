@@ -8,11 +8,13 @@ mod gltf;
 mod light;
 mod material;
 mod mesh;
+mod mipmaps;
 
 pub use camera::{Camera, Projection};
 pub use light::{Light, LightKind};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
+pub use mipmaps::{MipLevel, mip_level_count, mipmaps};
 
 use glam::Vec3;
 

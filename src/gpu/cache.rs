@@ -1,0 +1,223 @@
+//! Compiled pipelines, kept between runs.
+//!
+//! A driver may crash on damaged cache data, so ours goes into an envelope with a checksum and the identity of device
+//! and driver; whatever does not match is thrown away and made again.
+
+use super::{Called, Caps, Device, Owned};
+use crate::{Error, Result};
+use ash::vk;
+use std::path::{Path, PathBuf};
+
+/// A pipeline cache.
+#[derive(Debug)]
+pub struct PipelineCache {
+    raw: Owned<vk::PipelineCache>,
+}
+
+impl PipelineCache {
+    /// Makes a cache from what [`Self::blob`] gave earlier; from nothing if that was damaged, cut short, or came from
+    /// another device or driver.
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`].
+    pub fn new(device: &Device, blob: &[u8]) -> Result<Self> {
+        let initial = open(device.caps(), blob).unwrap_or_default();
+        let info = vk::PipelineCacheCreateInfo::default().initial_data(initial);
+        // SAFETY: the data is what this driver itself returned: identity and checksum were compared.
+        let raw = unsafe { device.create_pipeline_cache(&info, "pipelines") }?;
+        Ok(Self { raw })
+    }
+
+    /// Makes a cache from the file of this device in the user's cache directory; from nothing without one.
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`]; never because of the file.
+    pub fn load(device: &Device) -> Result<Self> {
+        let blob = file(device.caps()).and_then(|path| std::fs::read(path).ok());
+        Self::new(device, &blob.unwrap_or_default())
+    }
+
+    /// Writes the file that [`Self::load`] reads. A failure costs only the time of the next run, so it is logged and no
+    /// more.
+    pub fn store(&self) {
+        let Some(path) = file(self.raw.device().caps()) else { return };
+        if let Err(e) = self.blob().and_then(|blob| replace(&path, &blob)) {
+            log::warn!("pipelines are not kept: {e}");
+        }
+    }
+
+    /// The handle, valid as long as this owner.
+    pub fn raw(&self) -> vk::PipelineCache {
+        self.raw.raw()
+    }
+
+    /// The content, for [`Self::new`] in a later run.
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`].
+    pub fn blob(&self) -> Result<Vec<u8>> {
+        let device = self.raw.device();
+        // SAFETY: the cache is alive.
+        let data =
+            unsafe { device.raw().get_pipeline_cache_data(self.raw()) }.called("vkGetPipelineCacheData")?;
+        Ok(seal(device.caps(), &data))
+    }
+}
+
+/// The envelope: magic, vendor, device, cache UUID, and the content's length and checksum; all little-endian.
+const MAGIC: &[u8; 8] = b"ONTILEP1";
+const ENVELOPE_BYTES: usize = 8 + 4 + 4 + 16 + 8 + 8;
+
+fn seal(caps: &Caps, content: &[u8]) -> Vec<u8> {
+    let mut blob = Vec::with_capacity(ENVELOPE_BYTES + content.len());
+    blob.extend(MAGIC);
+    blob.extend(caps.vendor_id.to_le_bytes());
+    blob.extend(caps.device_id.to_le_bytes());
+    blob.extend(caps.pipeline_cache_uuid);
+    blob.extend((content.len() as u64).to_le_bytes());
+    blob.extend(fnv1a(content).to_le_bytes());
+    blob.extend(content);
+    blob
+}
+
+/// The content of an envelope that is whole and of this device and driver.
+fn open<'a>(caps: &Caps, blob: &'a [u8]) -> Option<&'a [u8]> {
+    let (envelope, content) = blob.split_at_checked(ENVELOPE_BYTES)?;
+    // The envelope follows from device and content, so it is right only if it is what sealing would write.
+    (envelope == &seal(caps, content)[..ENVELOPE_BYTES] && is_of_driver(caps, content)).then_some(content)
+}
+
+/// Vulkan's own header, VkPipelineCacheHeaderVersionOne: length 32, version 1, vendor, device, UUID.
+fn is_of_driver(caps: &Caps, content: &[u8]) -> bool {
+    let word =
+        |i: usize| content.get(i * 4..i * 4 + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
+    word(0).is_some_and(|length| length >= 32)
+        && word(1) == Some(1)
+        && word(2) == Some(caps.vendor_id)
+        && word(3) == Some(caps.device_id)
+        && content.get(16..32) == Some(&caps.pipeline_cache_uuid[..])
+}
+
+/// Fowler, Noll and Vo's 64-bit hash, variant 1a: enough against accidents.
+fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, &b| (hash ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3))
+}
+
+/// `$XDG_CACHE_HOME/ontile` or `~/.cache/ontile`, one file per device and driver; `None` without a home.
+fn file(caps: &Caps) -> Option<PathBuf> {
+    let absolute = |name| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
+    let directory = absolute("XDG_CACHE_HOME").or_else(|| Some(absolute("HOME")?.join(".cache")))?;
+    let uuid: String = caps.pipeline_cache_uuid.iter().map(|b| format!("{b:02x}")).collect();
+    let name = format!("pipelines-{:04x}-{:04x}-{uuid}.bin", caps.vendor_id, caps.device_id);
+    Some(directory.join("ontile").join(name))
+}
+
+/// Replaces a file at once: readers see the old content or the new, never a part.
+fn replace(path: &Path, content: &[u8]) -> Result<()> {
+    let directory = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(directory).map_err(|e| Error::io(directory, "create", e))?;
+    let temporary = path.with_extension(format!("{}.tmp", std::process::id()));
+    let written = std::fs::write(&temporary, content).and_then(|()| std::fs::rename(&temporary, path));
+    written.map_err(|e| {
+        // It may not even exist.
+        let _ = std::fs::remove_file(&temporary);
+        Error::io(path, "write", e)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::DeviceType;
+
+    fn caps() -> Caps {
+        Caps {
+            name: "test".into(),
+            driver: String::new(),
+            api_version: [1, 1, 0],
+            vendor_id: 0x1234,
+            device_id: 0x5678,
+            pipeline_cache_uuid: std::array::from_fn(|i| i as u8),
+            device_type: DeviceType::Other,
+            lazily_allocated_memory: false,
+            max_image_dimension_2d: 0,
+            max_framebuffer_size: [0; 2],
+            max_per_stage_descriptor_input_attachments: 0,
+            max_descriptor_set_input_attachments: 0,
+            max_color_attachments: 0,
+            max_fragment_output_attachments: 0,
+            max_per_stage_descriptor_sampled_images: 0,
+            max_bound_descriptor_sets: 0,
+            max_push_constants_bytes: 0,
+            min_uniform_buffer_offset_alignment: 0,
+            min_storage_buffer_offset_alignment: 0,
+            optimal_buffer_copy_offset_alignment: 0,
+            max_sampler_anisotropy: 1.0,
+            sample_counts: Vec::new(),
+            timestamp_period_ns: 1.0,
+            timestamp_valid_bits: 0,
+            pipeline_statistics: false,
+            local_read: false,
+            rasterization_order_attachment_access: false,
+            subpass_merge_feedback: false,
+            memory_types: Vec::new(),
+        }
+    }
+
+    /// What a driver would return: Vulkan's header and something behind it.
+    fn content(caps: &Caps) -> Vec<u8> {
+        let words = [32, 1, caps.vendor_id, caps.device_id];
+        let header = words.iter().flat_map(|w| w.to_le_bytes()).chain(caps.pipeline_cache_uuid);
+        header.chain(*b"pipelines").collect()
+    }
+
+    #[test]
+    fn what_was_sealed_opens() {
+        let caps = caps();
+        assert_eq!(open(&caps, &seal(&caps, &content(&caps))), Some(&content(&caps)[..]));
+    }
+
+    #[test]
+    fn any_damage_is_noticed() {
+        let caps = caps();
+        let blob = seal(&caps, &content(&caps));
+        for i in 0..blob.len() {
+            let mut damaged = blob.clone();
+            damaged[i] ^= 0x10;
+            assert_eq!(open(&caps, &damaged), None, "byte {i} changed");
+            assert_eq!(open(&caps, &blob[..i]), None, "cut at {i}");
+        }
+        let longer = [&blob[..], &[0]].concat();
+        assert_eq!(open(&caps, &longer), None);
+    }
+
+    #[test]
+    fn other_devices_and_drivers_are_refused() {
+        let caps = caps();
+        let blob = seal(&caps, &content(&caps));
+        let others = [
+            Caps { vendor_id: 1, ..caps.clone() },
+            Caps { device_id: 1, ..caps.clone() },
+            Caps { pipeline_cache_uuid: [7; 16], ..caps.clone() },
+        ];
+        for other in &others {
+            assert_eq!(open(other, &blob), None);
+            // A driver's header of another device in an envelope of this one.
+            assert_eq!(open(&caps, &seal(&caps, &content(other))), None);
+        }
+    }
+
+    #[test]
+    fn files_are_replaced_whole() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("deep").join("cache.bin");
+        replace(&path, b"old").unwrap();
+        replace(&path, b"new").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"new");
+        assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1, "a temporary file is left");
+        // The directory's place is taken by a file: an error, not a panic.
+        assert!(replace(&path.join("below"), b"").is_err());
+    }
+}
