@@ -130,39 +130,13 @@ fn replace(path: &Path, content: &[u8]) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::DeviceType;
 
     fn caps() -> Caps {
         Caps {
-            name: "test".into(),
-            driver: String::new(),
-            api_version: [1, 1, 0],
             vendor_id: 0x1234,
             device_id: 0x5678,
             pipeline_cache_uuid: std::array::from_fn(|i| i as u8),
-            device_type: DeviceType::Other,
-            lazily_allocated_memory: false,
-            max_image_dimension_2d: 0,
-            max_framebuffer_size: [0; 2],
-            max_per_stage_descriptor_input_attachments: 0,
-            max_descriptor_set_input_attachments: 0,
-            max_color_attachments: 0,
-            max_fragment_output_attachments: 0,
-            max_per_stage_descriptor_sampled_images: 0,
-            max_bound_descriptor_sets: 0,
-            max_push_constants_bytes: 0,
-            min_uniform_buffer_offset_alignment: 0,
-            min_storage_buffer_offset_alignment: 0,
-            optimal_buffer_copy_offset_alignment: 0,
-            max_sampler_anisotropy: 1.0,
-            sample_counts: Vec::new(),
-            timestamp_period_ns: 1.0,
-            timestamp_valid_bits: 0,
-            pipeline_statistics: false,
-            local_read: false,
-            rasterization_order_attachment_access: false,
-            subpass_merge_feedback: false,
-            memory_types: Vec::new(),
+            ..Default::default()
         }
     }
 

@@ -218,3 +218,47 @@ fn own_allocator(
         Error::unsupported(format!("no memory allocator for this device: {e}"), "use another device")
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{Buffer, BufferDesc, Headless, HeadlessOptions, MemoryUse};
+
+    #[test]
+    fn a_hosts_device_stays_the_hosts() {
+        let options = HeadlessOptions { validate: true, ..Default::default() };
+        let host = match Headless::new(&options) {
+            Ok(host) => host,
+            Err(e) => return println!("ignored: no Vulkan device with validation: {e}"),
+        };
+        let theirs = host.device();
+        let desc = BufferDesc {
+            name: "test",
+            bytes: 256,
+            usage: vk::BufferUsageFlags::STORAGE_BUFFER,
+            memory: MemoryUse::Device,
+        };
+        for allocator in [None, Some(theirs.shared.allocator.clone())] {
+            let lent = HostDevice {
+                instance: theirs.instance().clone(),
+                physical_device: theirs.physical_device(),
+                device: theirs.raw().clone(),
+                queue_family: theirs.queue_family(),
+                queue: *theirs.queue(),
+                callbacks: None,
+                allocator,
+                features: theirs.features(),
+            };
+            // SAFETY: the handles are of one device, which outlives `ours`.
+            let ours = unsafe { Device::from_host(lent) }.unwrap();
+            let buffer = Buffer::new(&ours, &desc).unwrap();
+            assert_eq!(ours.caps(), theirs.caps());
+            assert_eq!(ours.live().objects["buffer"], 1);
+            assert_eq!(theirs.live(), Live::default());
+            drop((buffer, ours));
+        }
+        // Still usable: nothing of it was destroyed.
+        drop(Buffer::new(theirs, &desc).unwrap());
+        assert_eq!(host.finish(), Vec::<String>::new());
+    }
+}

@@ -357,10 +357,10 @@ mod tests {
         let mut m = mesh(2, vec![]);
         m.texcoords[1] = vec![Vec2::new(1.0, 2.0), Vec2::new(3.0, 4.0)];
         let both = Streams { texcoords: [true, true], ..Default::default() };
-        let floats: Vec<f32> = bytemuck::pod_collect_to_vec(&attribute(&m, StreamKind::Texcoords, both));
-        assert_eq!(floats, [0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 3.0, 4.0]);
-        let white: Vec<f32> = bytemuck::pod_collect_to_vec(&attribute(&m, StreamKind::Color, both));
-        assert_eq!(white, [1.0; 8]);
+        let bytes = |floats: [f32; 8]| bytemuck::cast::<[f32; 8], [u8; 32]>(floats);
+        let interleaved = attribute(&m, StreamKind::Texcoords, both);
+        assert_eq!(*interleaved, bytes([0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 3.0, 4.0]));
+        assert_eq!(*attribute(&m, StreamKind::Color, both), bytes([1.0; 8]));
     }
 
     #[test]

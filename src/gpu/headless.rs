@@ -295,3 +295,31 @@ fn layer_extensions(entry: &ash::Entry) -> Result<Vec<CString>> {
         .called("vkEnumerateInstanceExtensionProperties")?;
     Ok(offered.iter().filter_map(|e| e.extension_name_as_c_str().ok().map(CStr::to_owned)).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::DeviceType;
+
+    #[test]
+    fn the_name_part_decides() {
+        let caps = |name: &str| Caps { name: name.into(), driver: "Mesa".into(), ..Default::default() };
+        let (fast, slow) = (caps("Fast GPU"), caps("llvmpipe"));
+        let all = [&fast, &slow];
+        assert_eq!(best(&all, None).unwrap(), 0);
+        assert_eq!(best(&all, Some("LLVM")).unwrap(), 1);
+        assert_eq!(best(&all, Some("mesa")).unwrap(), 0);
+        let error = best(&all, Some("nothing")).unwrap_err().to_string();
+        assert!(error.contains("Fast GPU (Mesa), llvmpipe (Mesa)"), "{error}");
+        let error = best(&[], None).unwrap_err().to_string();
+        assert!(error.contains("mesa-vulkan-drivers"), "{error}");
+    }
+
+    #[test]
+    fn faster_kinds_come_first() {
+        use DeviceType::*;
+        let mut kinds = [Cpu, Other, Integrated, Discrete, Virtual];
+        kinds.sort();
+        assert_eq!(kinds, [Discrete, Integrated, Virtual, Cpu, Other]);
+    }
+}

@@ -229,10 +229,24 @@ fn image_memory(device: &Device, image: vk::Image, lazy: bool, name: &str) -> Re
 /// Fails, with the device's own limits, for an image that must not even be asked for.
 fn check_support(device: &Device, desc: &ImageDesc<'_>) -> Result<()> {
     let [width, height] = desc.size;
+    let what = || format!("image '{}' ({width}x{height}, {:?}, {:?})", desc.name, desc.format, desc.usage);
+    let unsupported = || {
+        Error::unsupported(
+            format!("{} is of a format that the device does not support for this use", what()),
+            "choose another format or device",
+        )
+    };
+    let (instance, physical_device) = (device.instance(), device.physical_device());
+    // Asked first, because the second question about a format without support is an error in itself.
     // SAFETY: the physical device is alive.
+    let properties = unsafe { instance.get_physical_device_format_properties(physical_device, desc.format) };
+    if !properties.optimal_tiling_features.contains(features_for(desc.usage)) {
+        return Err(unsupported());
+    }
+    // SAFETY: as above.
     let limits = unsafe {
-        device.instance().get_physical_device_image_format_properties(
-            device.physical_device(),
+        instance.get_physical_device_image_format_properties(
+            physical_device,
             desc.format,
             vk::ImageType::TYPE_2D,
             vk::ImageTiling::OPTIMAL,
@@ -240,22 +254,23 @@ fn check_support(device: &Device, desc: &ImageDesc<'_>) -> Result<()> {
             vk::ImageCreateFlags::empty(),
         )
     };
-    let what = || format!("image '{}' ({width}x{height}, {:?}, {:?})", desc.name, desc.format, desc.usage);
     let limits = match limits {
-        Err(vk::Result::ERROR_FORMAT_NOT_SUPPORTED) => {
-            return Err(Error::unsupported(
-                format!("{} is of a format that the device does not support for this use", what()),
-                "choose another format or device",
-            ));
-        }
+        Err(vk::Result::ERROR_FORMAT_NOT_SUPPORTED) => return Err(unsupported()),
         other => other.called("vkGetPhysicalDeviceImageFormatProperties")?,
     };
+    // The least that it can take; unknown formats count as nothing.
+    let bytes =
+        [width, height, desc.layers, desc.samples.as_raw(), super::texel_bytes(desc.format).unwrap_or(0)]
+            .into_iter()
+            .map(u64::from)
+            .fold(1, u64::saturating_mul);
     let max = limits.max_extent;
     let fits = (1..=max.width).contains(&width)
         && (1..=max.height).contains(&height)
         && (1..=limits.max_mip_levels).contains(&desc.levels)
         && (1..=limits.max_array_layers).contains(&desc.layers)
-        && limits.sample_counts.contains(desc.samples);
+        && limits.sample_counts.contains(desc.samples)
+        && bytes <= limits.max_resource_size;
     if fits {
         return Ok(());
     }
@@ -268,10 +283,29 @@ fn check_support(device: &Device, desc: &ImageDesc<'_>) -> Result<()> {
             desc.samples
         ),
         format!(
-            "stay within 1x1 to {}x{}, {} levels, {} layers, {:?} samples",
-            max.width, max.height, limits.max_mip_levels, limits.max_array_layers, limits.sample_counts
+            "stay within 1x1 to {}x{}, {} levels, {} layers, {:?} samples, {} bytes",
+            max.width,
+            max.height,
+            limits.max_mip_levels,
+            limits.max_array_layers,
+            limits.sample_counts,
+            limits.max_resource_size
         ),
     ))
+}
+
+/// What a format must support to be used like this (Vulkan 1.3, 48.1.1, "Potential Format Features").
+fn features_for(usage: vk::ImageUsageFlags) -> vk::FormatFeatureFlags {
+    use vk::{FormatFeatureFlags as F, ImageUsageFlags as U};
+    let table = [
+        (U::SAMPLED, F::SAMPLED_IMAGE),
+        (U::STORAGE, F::STORAGE_IMAGE),
+        (U::COLOR_ATTACHMENT, F::COLOR_ATTACHMENT),
+        (U::DEPTH_STENCIL_ATTACHMENT, F::DEPTH_STENCIL_ATTACHMENT),
+        (U::TRANSFER_SRC, F::TRANSFER_SRC),
+        (U::TRANSFER_DST, F::TRANSFER_DST),
+    ];
+    table.iter().filter(|(u, _)| usage.contains(*u)).fold(F::empty(), |all, (_, f)| all | *f)
 }
 
 /// The aspects of a format.
