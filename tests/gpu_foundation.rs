@@ -91,7 +91,18 @@ fn level_of(device: &Device, image: &Image, level: u32) -> Vec<u8> {
     readback.texels().to_vec()
 }
 
-/// A buffer that copies can read from, so that its content can come back through an image.
+fn bytes_of(device: &Device, buffer: &Buffer) -> Vec<u8> {
+    let desc = BufferDesc {
+        name: "read back",
+        bytes: buffer.size_bytes(),
+        usage: vk::BufferUsageFlags::TRANSFER_DST,
+        memory: MemoryUse::Readback,
+    };
+    let target = Buffer::new(device, &desc).unwrap();
+    Commands::run(device, "copy", |r| buffer.record_copy(r, &target)).unwrap();
+    target.mapped().to_vec()
+}
+
 fn storage_buffer(device: &Device, bytes: u64, memory: MemoryUse) -> Result<Buffer, Error> {
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
     Buffer::new(device, &BufferDesc { name: "test", bytes, usage, memory })
@@ -263,14 +274,34 @@ fn geometry_arrives_where_its_offsets_say() {
         Ok(())
     })
     .unwrap();
-    // Buffers of the GPU alone cannot be read back through this crate's interface, so the layout is checked: both
-    // buffers end exactly where the last element of the last range does.
-    let vertices: u64 = 70_000 * 12 + (3 + 4) * (12 + 12 + 8);
-    assert_eq!(geometry.vertices().unwrap().size_bytes(), vertices);
-    // Six narrow indices, three wide ones.
-    assert_eq!(geometry.indices().unwrap().size_bytes(), 6 * 2 + 3 * 4);
-    assert_eq!(geometry.index_offset_bytes(IndexWidth::U32), 12);
-    assert_eq!(geometry.meshes()[2].vertex_offset, 3);
+    let vertices = bytes_of(device, geometry.vertices().unwrap());
+    let indices = bytes_of(device, geometry.indices().unwrap());
+    // Nothing but what was asked for: positions alone for the second mesh.
+    assert_eq!(vertices.len(), 70_000 * 12 + (3 + 4) * (12 + 12 + 8));
+    assert_eq!(indices.len(), 6 * 2 + 3 * 4);
+    let floats = |at: u64, count: usize| -> Vec<f32> {
+        let bytes = &vertices[at as usize..][..count * 4];
+        bytes.chunks(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
+    };
+    // What a draw would fetch for the mesh's vertex `i` from the streams bound at its group's offsets.
+    for (mesh, range) in meshes.iter().zip(geometry.meshes()) {
+        let group = &geometry.groups()[range.group];
+        for i in [0, mesh.positions.len() - 1] {
+            let vertex = range.vertex_offset as u64 + i as u64;
+            assert_eq!(floats(group.offsets_bytes[0] + vertex * 12, 3), mesh.positions[i].to_array());
+            if group.streams.normals {
+                assert_eq!(floats(group.offsets_bytes[1] + vertex * 12, 3), mesh.normals[i].to_array());
+                assert_eq!(floats(group.offsets_bytes[2] + vertex * 8, 2), mesh.texcoords[0][i].to_array());
+            }
+        }
+        let size = if mesh.positions.len() > 65_535 { 4 } else { 2 };
+        let start =
+            geometry.index_offset_bytes(range.index_width) as usize + range.first_index as usize * size;
+        let fetched = indices[start..][..range.index_count as usize * size].chunks(size);
+        let fetched: Vec<u32> =
+            fetched.map(|b| b.iter().rev().fold(0, |n, &byte| n << 8 | u32::from(byte))).collect();
+        assert_eq!(fetched, mesh.indices);
+    }
     let none = Geometry::new(device, &mut upload, &[], &[]).unwrap();
     assert!(none.vertices().is_none() && none.indices().is_none());
     drop((geometry, none, upload));
@@ -369,6 +400,7 @@ fn queries_answer_or_say_nothing() {
         })
         .unwrap();
     commands.submit().unwrap();
+    assert!(commands.submit().is_err(), "commands run once");
     commands.wait().unwrap();
     let results = queries.results(1).unwrap();
     assert_eq!(results.timestamps_ns.is_some(), device.caps().timestamp_valid_bits > 0);
@@ -453,7 +485,7 @@ fn mistakes_are_reported() {
 
 #[test]
 fn vendors_checks_are_on_where_the_environment_asks() {
-    // Before layer settings existed, only the environment could ask for them.
+    // Layers older than VK_EXT_layer_settings learn of them from the environment alone (.cargo/config.toml).
     let asked = std::env::var("VK_LAYER_ENABLES").unwrap_or_default();
     if !asked.contains("VENDOR_SPECIFIC_ARM") {
         return println!("ignored: VK_LAYER_ENABLES does not ask for the vendors' checks");
