@@ -71,8 +71,8 @@ impl Buffer {
         self.memory.bytes()
     }
 
-    /// The content of a mapped buffer, `size_bytes` long; empty if it is not mapped. What the GPU wrote is seen after
-    /// its fence was waited for and a barrier made it visible to the host.
+    /// The content of a mapped buffer, `size_bytes` long; empty if it is not mapped. What the GPU wrote is
+    /// seen after its fence was waited for and a barrier made it visible to the host.
     pub fn mapped(&self) -> &[u8] {
         self.memory.mapped().map_or(&[], |bytes| &bytes[..self.bytes as usize])
     }
@@ -84,8 +84,8 @@ impl Buffer {
         self.memory.mapped_mut().map_or(&mut [], |bytes| &mut bytes[..size])
     }
 
-    /// Records the copy of all of it into a mapped buffer of the same size. It waits for earlier uploads and shader
-    /// writes; the host sees the content once the commands were waited for.
+    /// Records the copy of all of it into a mapped buffer of the same size. It waits for earlier uploads and
+    /// shader writes; the host sees the content once the commands were waited for.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if the sizes differ or a buffer lacks its transfer usage.

@@ -1,7 +1,7 @@
 //! Compiled pipelines, kept between runs.
 //!
-//! A driver may crash on damaged cache data, so ours goes into an envelope with a checksum and the identity of device
-//! and driver; whatever does not match is thrown away and made again.
+//! A driver may crash on damaged cache data, so ours goes into an envelope with a checksum and the identity
+//! of device and driver; whatever does not match is thrown away and made again.
 
 use super::{Called, Caps, Device, Owned};
 use crate::{Error, Result};
@@ -15,8 +15,8 @@ pub struct PipelineCache {
 }
 
 impl PipelineCache {
-    /// Makes a cache from what [`Self::blob`] gave earlier; from nothing if that was damaged, cut short, or came from
-    /// another device or driver.
+    /// Makes a cache from what [`Self::blob`] gave earlier; from nothing if that was damaged, cut short, or
+    /// came from another device or driver.
     ///
     /// # Errors
     /// [`Error::Vulkan`].
@@ -37,8 +37,8 @@ impl PipelineCache {
         Self::new(device, &blob.unwrap_or_default())
     }
 
-    /// Writes the file that [`Self::load`] reads. A failure costs only the time of the next run, so it is logged and no
-    /// more.
+    /// Writes the file that [`Self::load`] reads. A failure costs only the time of the next run, so it is
+    /// logged and no more.
     pub fn store(&self) {
         let Some(path) = file(self.raw.device().caps()) else { return };
         if let Err(e) = self.blob().and_then(|blob| replace(&path, &blob)) {

@@ -7,7 +7,8 @@ use std::ffi::CString;
 
 /// A command buffer in the recording state: a host's or our own.
 ///
-/// What is recorded refers to buffers, images and so on; whoever submits keeps those alive until the GPU is done.
+/// What is recorded refers to buffers, images and so on; whoever submits keeps those alive until the GPU is
+/// done.
 #[derive(Clone, Copy, Debug)]
 pub struct Recorder<'a> {
     device: &'a Device,
@@ -19,8 +20,8 @@ impl<'a> Recorder<'a> {
     ///
     /// # Safety
     /// `raw` is a primary command buffer from a pool of [`Device::queue_family`], in the recording state, outside of a
-    /// render pass unless a function says otherwise, and not used by another thread while the recorder exists. What is
-    /// recorded is kept alive until its execution has finished.
+    /// render pass unless a function says otherwise, and not used by another thread while the recorder
+    /// exists. What is recorded is kept alive until its execution has finished.
     pub unsafe fn from_host(device: &'a Device, raw: vk::CommandBuffer) -> Self {
         Self { device, raw }
     }

@@ -12,8 +12,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What a host engine lends. Nothing in it is destroyed by this crate.
 ///
-/// The host keeps instance and device alive until the last [`Device`] clone and everything made from it is dropped.
-/// It created both for Vulkan 1.1 or later.
+/// The host keeps instance and device alive until the last [`Device`] clone and everything made from it is
+/// dropped. It created both for Vulkan 1.1 or later.
 pub struct HostDevice {
     /// The host's instance, with its function table.
     pub instance: ash::Instance,
@@ -26,8 +26,8 @@ pub struct HostDevice {
     /// A queue of that family. Only [`Commands`](super::Commands) submits to it; a host that uses those
     /// synchronises its own submissions with them. Recording into the host's command buffers submits nothing.
     pub queue: vk::Queue,
-    /// Passed to every Vulkan call that creates or destroys an object. Memory follows them only if `allocator` is
-    /// `None` and it is lazily allocated: gpu-allocator calls without callbacks.
+    /// Passed to every Vulkan call that creates or destroys an object. Memory follows them only if
+    /// `allocator` is `None` and it is lazily allocated: gpu-allocator calls without callbacks.
     pub callbacks: Option<vk::AllocationCallbacks<'static>>,
     /// The host's allocator, to share its memory blocks; otherwise this crate makes one of its own.
     pub allocator: Option<Arc<Mutex<Allocator>>>,
@@ -74,8 +74,8 @@ impl Device {
     /// [`Error::Vulkan`] if the allocator cannot be made.
     ///
     /// # Safety
-    /// The handles belong together, the features named are enabled, and the host keeps all of it alive until this
-    /// device, its clones and all objects made from them are dropped.
+    /// The handles belong together, the features named are enabled, and the host keeps all of it alive until
+    /// this device, its clones and all objects made from them are dropped.
     pub unsafe fn from_host(host: HostDevice) -> Result<Self> {
         // SAFETY: the caller's promise.
         unsafe { Self::new(host, None) }

@@ -13,10 +13,11 @@ const DRIVER_REMEDY: &str =
 /// How to make a [`Headless`].
 #[derive(Clone, Debug, Default)]
 pub struct HeadlessOptions {
-    /// Take the first device whose name or driver contains this, whatever its case. Otherwise the best by type:
-    /// discrete, integrated, virtual, CPU.
+    /// Take the first device whose name or driver contains this, whatever its case. Otherwise the best by
+    /// type: discrete, integrated, virtual, CPU.
     pub device_name_part: Option<String>,
-    /// Run under the Khronos validation layer (core, synchronisation and best practices) and collect its messages.
+    /// Run under the Khronos validation layer (core, synchronisation and best practices) and collect its
+    /// messages.
     pub validate: bool,
     /// Told to the driver.
     pub application_name: String,
@@ -33,8 +34,8 @@ impl Headless {
     /// Loads Vulkan and makes a device of version 1.1 with one graphics queue.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] without a loader, a driver, a device that matches, or (if asked for) the validation
-    /// layer; [`Error::Vulkan`] if a call fails.
+    /// [`Error::Unsupported`] without a loader, a driver, a device that matches, or (if asked for) the
+    /// validation layer; [`Error::Vulkan`] if a call fails.
     pub fn new(options: &HeadlessOptions) -> Result<Self> {
         let instance = OwnedInstance::new(&options.application_name, options.validate)?;
         let messages = (*instance.messages).clone();

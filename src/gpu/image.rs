@@ -69,16 +69,20 @@ impl Image {
         Self::with_memory(device, desc, false)
     }
 
-    /// Makes an attachment whose content never outlives its render pass: TRANSIENT_ATTACHMENT usage, and lazily
-    /// allocated memory where the device has it, so that a tiler need not back it by any memory.
+    /// Makes an attachment whose content never outlives its render pass: TRANSIENT_ATTACHMENT usage, and
+    /// lazily allocated memory where the device has it, so that a tiler need not back it by any memory.
     ///
-    /// With `capture` the memory is ordinary, because frame debuggers cannot read lazily allocated memory.
+    /// With `capture` it is an ordinary image with the same content: frame debuggers copy from images, which
+    /// neither lazily allocated memory nor TRANSIENT_ATTACHMENT usage allows.
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn transient(device: &Device, desc: &ImageDesc<'_>, capture: bool) -> Result<Self> {
+        if capture {
+            return Self::new(device, desc);
+        }
         let usage = desc.usage | vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
-        Self::with_memory(device, &ImageDesc { usage, ..*desc }, !capture)
+        Self::with_memory(device, &ImageDesc { usage, ..*desc }, true)
     }
 
     fn with_memory(device: &Device, desc: &ImageDesc<'_>, lazy: bool) -> Result<Self> {
@@ -115,8 +119,8 @@ impl Image {
         Ok(image)
     }
 
-    /// A view of some mip levels and all layers. Shaders see depth, not stencil, of a combined format's image only
-    /// through a view of one aspect, so attachments get a view of both and all other uses one of depth.
+    /// A view of some mip levels and all layers. Shaders see depth, not stencil, of a combined format's image
+    /// only through a view of one aspect, so attachments get a view of both and all other uses one of depth.
     ///
     /// # Errors
     /// [`Error::Vulkan`].
@@ -202,8 +206,8 @@ impl Image {
         self.memory.bytes()
     }
 
-    /// What the driver has committed to lazily allocated memory so far (vkGetDeviceMemoryCommitment); `None` for
-    /// ordinary memory, which is committed in full.
+    /// What the driver has committed to lazily allocated memory so far (vkGetDeviceMemoryCommitment); `None`
+    /// for ordinary memory, which is committed in full.
     pub fn committed_bytes(&self) -> Option<u64> {
         self.memory.committed_bytes()
     }

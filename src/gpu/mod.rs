@@ -10,8 +10,8 @@
 //!   finished; [`Commands`] waits on its own.
 //! - What a host passes in through [`HostDevice`] stays the host's: it is used and never destroyed.
 //!
-//! Memory comes from one place ([`Memory`](memory::Memory)) and every object is counted, so [`Device::live`] tells
-//! at any time what exists. Commands are recorded through a [`Recorder`], which stands for a command buffer in the
+//! Memory comes from one place (`memory.rs`) and every object is counted, so [`Device::live`] tells at any
+//! time what exists. Commands are recorded through a [`Recorder`], which stands for a command buffer in the
 //! recording state, a host's or our own. Nothing here waits for the GPU except [`Commands`].
 
 mod buffer;

@@ -32,12 +32,12 @@ impl Readback {
         Ok(Self { buffer, size, format })
     }
 
-    /// Records the copy of one mip level of an image's first layer. It waits for all that writes attachments or
-    /// copies, takes the image from layout `from` and leaves it in `to`.
+    /// Records the copy of one mip level of an image's first layer. It waits for all that writes attachments
+    /// or copies, takes the image from layout `from` and leaves it in `to`.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] if the image's format or the level's size is another than this was made for, or the
-    /// image lacks the usage TRANSFER_SRC.
+    /// [`Error::Unsupported`] if the image's format or the level's size is another than this was made for, or
+    /// the image lacks the usage TRANSFER_SRC.
     pub fn record(
         &self,
         recorder: &Recorder<'_>,

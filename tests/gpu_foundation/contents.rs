@@ -38,8 +38,8 @@ fn buffers_hold_what_was_uploaded_in_pieces() {
     gpu.finish();
 }
 
-/// Levels of a texture as an independent computation has them: doubles, straight from the definition, for sizes that
-/// halve evenly.
+/// Levels of a texture as an independent computation has them: doubles, straight from the definition, for
+/// sizes that halve evenly.
 fn mip_chain_f64(image: &scene::Image, srgb: bool) -> Vec<Vec<f64>> {
     let decode = |v: f64| if v > 0.04045 { ((v + 0.055) / 1.055).powf(2.4) } else { v / 12.92 };
     let encode = |v: f64| if v > 0.0031308 { 1.055 * v.powf(1.0 / 2.4) - 0.055 } else { v * 12.92 };

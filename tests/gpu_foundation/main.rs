@@ -1,5 +1,5 @@
-//! The Vulkan foundation on whatever device is at hand, under the validation layer: contents arrive, failures unwind,
-//! nothing leaks, and nothing is reported.
+//! The Vulkan foundation on whatever device is at hand, under the validation layer: contents arrive, failures
+//! unwind, nothing leaks, and nothing is reported.
 
 mod contents;
 mod mistakes;

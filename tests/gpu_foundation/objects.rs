@@ -38,6 +38,7 @@ fn transient_images_take_lazy_memory_where_there_is_some() {
         assert_ne!(image.view(), vk::ImageView::null());
         let captured = Image::transient(device, &desc, true).unwrap();
         assert_eq!(captured.committed_bytes(), None, "a capture needs ordinary memory");
+        assert!(!captured.usage().contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT));
     }
     let depth = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::INPUT_ATTACHMENT;
     let depth = ImageDesc::new("depth", vk::Format::D32_SFLOAT, [64, 64], depth);
