@@ -1,7 +1,7 @@
 //! Buffers with their memory.
 
 use super::memory::Memory;
-use super::{Called, Device, MemoryUse, Owned};
+use super::{Called, Device, MemoryUse, Owned, Recorder};
 use crate::{Error, Result};
 use ash::vk;
 
@@ -71,8 +71,8 @@ impl Buffer {
         self.memory.bytes()
     }
 
-    /// The content of a mapped buffer, `size_bytes` long; empty if it is not mapped. What the GPU wrote is seen after
-    /// its fence was waited for and a barrier made it visible to the host.
+    /// The content of a mapped buffer, `size_bytes` long; empty if it is not mapped. What the GPU wrote is
+    /// seen after its fence was waited for and a barrier made it visible to the host.
     pub fn mapped(&self) -> &[u8] {
         self.memory.mapped().map_or(&[], |bytes| &bytes[..self.bytes as usize])
     }
@@ -82,5 +82,38 @@ impl Buffer {
     pub fn mapped_mut(&mut self) -> &mut [u8] {
         let size = self.bytes as usize;
         self.memory.mapped_mut().map_or(&mut [], |bytes| &mut bytes[..size])
+    }
+
+    /// Records the copy of all of it into a mapped buffer of the same size. It waits for earlier uploads and
+    /// shader writes; the host sees the content once the commands were waited for.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the sizes differ or a buffer lacks its transfer usage.
+    pub fn record_copy(&self, recorder: &Recorder<'_>, target: &Buffer) -> Result<()> {
+        let usable = self.usage.contains(vk::BufferUsageFlags::TRANSFER_SRC)
+            && target.usage.contains(vk::BufferUsageFlags::TRANSFER_DST);
+        if !usable || self.bytes != target.bytes {
+            return Err(Error::unsupported(
+                format!(
+                    "a buffer of {} bytes with usage {:?} cannot be copied to one of {} bytes with usage {:?}",
+                    self.bytes, self.usage, target.bytes, target.usage
+                ),
+                "make both of one size, with the usages TRANSFER_SRC and TRANSFER_DST",
+            ));
+        }
+        use vk::{AccessFlags as A, PipelineStageFlags as S};
+        let barrier = |src, dst| [vk::MemoryBarrier::default().src_access_mask(src).dst_access_mask(dst)];
+        let before = barrier(A::TRANSFER_WRITE | A::SHADER_WRITE, A::TRANSFER_READ);
+        let after = barrier(A::TRANSFER_WRITE, A::HOST_READ);
+        let writers = S::TRANSFER | S::VERTEX_SHADER | S::FRAGMENT_SHADER;
+        let region = [vk::BufferCopy { src_offset: 0, dst_offset: 0, size: self.bytes }];
+        let (device, raw, none) = (recorder.device().raw(), recorder.raw(), vk::DependencyFlags::empty());
+        // SAFETY: recording, outside of a render pass; both buffers hold the region.
+        unsafe {
+            device.cmd_pipeline_barrier(raw, writers, S::TRANSFER, none, &before, &[], &[]);
+            device.cmd_copy_buffer(raw, self.raw(), target.raw(), &region);
+            device.cmd_pipeline_barrier(raw, S::TRANSFER, S::HOST, none, &after, &[], &[]);
+        }
+        Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! Compiled pipelines, kept between runs.
 //!
-//! A driver may crash on damaged cache data, so ours goes into an envelope with a checksum and the identity of device
-//! and driver; whatever does not match is thrown away and made again.
+//! A driver may crash on damaged cache data, so ours goes into an envelope with a checksum and the identity
+//! of device and driver; whatever does not match is thrown away and made again.
 
 use super::{Called, Caps, Device, Owned};
 use crate::{Error, Result};
@@ -15,8 +15,8 @@ pub struct PipelineCache {
 }
 
 impl PipelineCache {
-    /// Makes a cache from what [`Self::blob`] gave earlier; from nothing if that was damaged, cut short, or came from
-    /// another device or driver.
+    /// Makes a cache from what [`Self::blob`] gave earlier; from nothing if that was damaged, cut short, or
+    /// came from another device or driver.
     ///
     /// # Errors
     /// [`Error::Vulkan`].
@@ -37,8 +37,8 @@ impl PipelineCache {
         Self::new(device, &blob.unwrap_or_default())
     }
 
-    /// Writes the file that [`Self::load`] reads. A failure costs only the time of the next run, so it is logged and no
-    /// more.
+    /// Writes the file that [`Self::load`] reads. A failure costs only the time of the next run, so it is
+    /// logged and no more.
     pub fn store(&self) {
         let Some(path) = file(self.raw.device().caps()) else { return };
         if let Err(e) = self.blob().and_then(|blob| replace(&path, &blob)) {
@@ -130,39 +130,13 @@ fn replace(path: &Path, content: &[u8]) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::DeviceType;
 
     fn caps() -> Caps {
         Caps {
-            name: "test".into(),
-            driver: String::new(),
-            api_version: [1, 1, 0],
             vendor_id: 0x1234,
             device_id: 0x5678,
             pipeline_cache_uuid: std::array::from_fn(|i| i as u8),
-            device_type: DeviceType::Other,
-            lazily_allocated_memory: false,
-            max_image_dimension_2d: 0,
-            max_framebuffer_size: [0; 2],
-            max_per_stage_descriptor_input_attachments: 0,
-            max_descriptor_set_input_attachments: 0,
-            max_color_attachments: 0,
-            max_fragment_output_attachments: 0,
-            max_per_stage_descriptor_sampled_images: 0,
-            max_bound_descriptor_sets: 0,
-            max_push_constants_bytes: 0,
-            min_uniform_buffer_offset_alignment: 0,
-            min_storage_buffer_offset_alignment: 0,
-            optimal_buffer_copy_offset_alignment: 0,
-            max_sampler_anisotropy: 1.0,
-            sample_counts: Vec::new(),
-            timestamp_period_ns: 1.0,
-            timestamp_valid_bits: 0,
-            pipeline_statistics: false,
-            local_read: false,
-            rasterization_order_attachment_access: false,
-            subpass_merge_feedback: false,
-            memory_types: Vec::new(),
+            ..Default::default()
         }
     }
 

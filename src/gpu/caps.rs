@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::ffi::CStr;
 
 /// A device's properties as far as they matter here.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Caps {
     /// The device's name.
     pub name: String,
@@ -68,7 +68,7 @@ pub struct Caps {
 }
 
 /// Kind of device.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DeviceType {
     /// Memory and power of its own.
@@ -80,6 +80,7 @@ pub enum DeviceType {
     /// A program on the processor.
     Cpu,
     /// None of these.
+    #[default]
     Other,
 }
 

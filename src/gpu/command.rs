@@ -1,13 +1,14 @@
 //! Recording commands, and running them for programs and tests.
 
 use super::{Called, Device, Owned};
-use crate::Result;
+use crate::{Error, Result};
 use ash::vk;
 use std::ffi::CString;
 
 /// A command buffer in the recording state: a host's or our own.
 ///
-/// What is recorded refers to buffers, images and so on; whoever submits keeps those alive until the GPU is done.
+/// What is recorded refers to buffers, images and so on; whoever submits keeps those alive until the GPU is
+/// done.
 #[derive(Clone, Copy, Debug)]
 pub struct Recorder<'a> {
     device: &'a Device,
@@ -19,8 +20,8 @@ impl<'a> Recorder<'a> {
     ///
     /// # Safety
     /// `raw` is a primary command buffer from a pool of [`Device::queue_family`], in the recording state, outside of a
-    /// render pass unless a function says otherwise, and not used by another thread while the recorder exists. What is
-    /// recorded is kept alive until its execution has finished.
+    /// render pass unless a function says otherwise, and not used by another thread while the recorder
+    /// exists. What is recorded is kept alive until its execution has finished.
     pub unsafe fn from_host(device: &'a Device, raw: vk::CommandBuffer) -> Self {
         Self { device, raw }
     }
@@ -74,14 +75,24 @@ pub struct Commands {
     fence: Owned<vk::Fence>,
     pool: Owned<vk::CommandPool>,
     raw: vk::CommandBuffer,
-    pending: bool,
+    state: State,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    /// Nothing to submit.
+    Empty,
+    /// Recorded and not submitted yet.
+    Recorded,
+    /// Submitted and not waited for yet.
+    Pending,
 }
 
 impl Commands {
     /// Makes an empty command buffer.
     ///
     /// # Errors
-    /// [`crate::Error::Vulkan`].
+    /// [`Error::Vulkan`].
     pub fn new(device: &Device, name: &str) -> Result<Self> {
         let info = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::TRANSIENT)
@@ -98,13 +109,13 @@ impl Commands {
         let buffers = unsafe { device.raw().allocate_command_buffers(&info) };
         let raw = buffers.called("vkAllocateCommandBuffers")?[0];
         device.set_name(raw, name);
-        Ok(Self { fence, pool, raw, pending: false })
+        Ok(Self { fence, pool, raw, state: State::Empty })
     }
 
     /// Records and runs commands once, and waits for them.
     ///
     /// # Errors
-    /// What `record` returned (then nothing runs), or [`crate::Error::Vulkan`].
+    /// What `record` returned (then nothing runs), or [`Error::Vulkan`].
     pub fn run<T>(device: &Device, name: &str, record: impl FnOnce(&Recorder<'_>) -> Result<T>) -> Result<T> {
         let mut commands = Self::new(device, name)?;
         let value = commands.record(record)?;
@@ -116,9 +127,10 @@ impl Commands {
     /// Records anew, after waiting for the last submission.
     ///
     /// # Errors
-    /// What `record` returned (then there is nothing to submit), or [`crate::Error::Vulkan`].
+    /// What `record` returned (then there is nothing to submit), or [`Error::Vulkan`].
     pub fn record<T>(&mut self, record: impl FnOnce(&Recorder<'_>) -> Result<T>) -> Result<T> {
         self.wait()?;
+        self.state = State::Empty;
         let device = self.pool.device();
         let raw = device.raw();
         // SAFETY: the GPU has finished with the pool's only buffer.
@@ -130,14 +142,21 @@ impl Commands {
         let value = record(&Recorder { device, raw: self.raw })?;
         // SAFETY: the buffer is recording.
         unsafe { raw.end_command_buffer(self.raw) }.called("vkEndCommandBuffer")?;
+        self.state = State::Recorded;
         Ok(value)
     }
 
     /// Submits what was recorded, once.
     ///
     /// # Errors
-    /// [`crate::Error::Vulkan`].
+    /// [`Error::Unsupported`] if nothing was recorded since; [`Error::Vulkan`].
     pub fn submit(&mut self) -> Result<()> {
+        if self.state != State::Recorded {
+            return Err(Error::unsupported(
+                "there are no commands to submit",
+                "record some before each submission",
+            ));
+        }
         let device = self.pool.device();
         let buffers = [self.raw];
         let submits = [vk::SubmitInfo::default().command_buffers(&buffers)];
@@ -145,24 +164,23 @@ impl Commands {
         // SAFETY: the fence is unsignalled and not in use (`record` waited), and the queue is locked.
         unsafe { device.raw().queue_submit(*queue, &submits, self.fence.raw()) }.called("vkQueueSubmit")?;
         drop(queue);
-        self.pending = true;
+        self.state = State::Pending;
         Ok(())
     }
 
     /// Waits until the GPU has finished; returns at once if nothing was submitted.
     ///
     /// # Errors
-    /// [`crate::Error::Vulkan`].
+    /// [`Error::Vulkan`].
     pub fn wait(&mut self) -> Result<()> {
-        if !self.pending {
+        if self.state != State::Pending {
             return Ok(());
         }
         let device = self.pool.device().raw();
         let fences = [self.fence.raw()];
         // SAFETY: the fence is alive and was submitted.
         unsafe { device.wait_for_fences(&fences, true, u64::MAX) }.called("vkWaitForFences")?;
-        // A lost device also ends the wait, with an error above; only success leaves nothing pending.
-        self.pending = false;
+        self.state = State::Empty;
         // SAFETY: the fence is signalled, so no queue uses it.
         unsafe { device.reset_fences(&fences) }.called("vkResetFences")
     }

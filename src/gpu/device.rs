@@ -12,8 +12,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What a host engine lends. Nothing in it is destroyed by this crate.
 ///
-/// The host keeps instance and device alive until the last [`Device`] clone and everything made from it is dropped.
-/// It created both for Vulkan 1.1 or later.
+/// The host keeps instance and device alive until the last [`Device`] clone and everything made from it is
+/// dropped. It created both for Vulkan 1.1 or later.
 pub struct HostDevice {
     /// The host's instance, with its function table.
     pub instance: ash::Instance,
@@ -26,8 +26,8 @@ pub struct HostDevice {
     /// A queue of that family. Only [`Commands`](super::Commands) submits to it; a host that uses those
     /// synchronises its own submissions with them. Recording into the host's command buffers submits nothing.
     pub queue: vk::Queue,
-    /// Passed to every Vulkan call that creates or destroys an object. Memory follows them only if `allocator` is
-    /// `None` and it is lazily allocated: gpu-allocator calls without callbacks.
+    /// Passed to every Vulkan call that creates or destroys an object. Memory follows them only if
+    /// `allocator` is `None` and it is lazily allocated: gpu-allocator calls without callbacks.
     pub callbacks: Option<vk::AllocationCallbacks<'static>>,
     /// The host's allocator, to share its memory blocks; otherwise this crate makes one of its own.
     pub allocator: Option<Arc<Mutex<Allocator>>>,
@@ -74,8 +74,8 @@ impl Device {
     /// [`Error::Vulkan`] if the allocator cannot be made.
     ///
     /// # Safety
-    /// The handles belong together, the features named are enabled, and the host keeps all of it alive until this
-    /// device, its clones and all objects made from them are dropped.
+    /// The handles belong together, the features named are enabled, and the host keeps all of it alive until
+    /// this device, its clones and all objects made from them are dropped.
     pub unsafe fn from_host(host: HostDevice) -> Result<Self> {
         // SAFETY: the caller's promise.
         unsafe { Self::new(host, None) }
@@ -217,4 +217,48 @@ fn own_allocator(
     .map_err(|e| {
         Error::unsupported(format!("no memory allocator for this device: {e}"), "use another device")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{Buffer, BufferDesc, Headless, HeadlessOptions, MemoryUse};
+
+    #[test]
+    fn a_hosts_device_stays_the_hosts() {
+        let options = HeadlessOptions { validate: true, ..Default::default() };
+        let host = match Headless::new(&options) {
+            Ok(host) => host,
+            Err(e) => return println!("ignored: no Vulkan device with validation: {e}"),
+        };
+        let theirs = host.device();
+        let desc = BufferDesc {
+            name: "test",
+            bytes: 256,
+            usage: vk::BufferUsageFlags::STORAGE_BUFFER,
+            memory: MemoryUse::Device,
+        };
+        for allocator in [None, Some(theirs.shared.allocator.clone())] {
+            let lent = HostDevice {
+                instance: theirs.instance().clone(),
+                physical_device: theirs.physical_device(),
+                device: theirs.raw().clone(),
+                queue_family: theirs.queue_family(),
+                queue: *theirs.queue(),
+                callbacks: None,
+                allocator,
+                features: theirs.features(),
+            };
+            // SAFETY: the handles are of one device, which outlives `ours`.
+            let ours = unsafe { Device::from_host(lent) }.unwrap();
+            let buffer = Buffer::new(&ours, &desc).unwrap();
+            assert_eq!(ours.caps(), theirs.caps());
+            assert_eq!(ours.live().objects["buffer"], 1);
+            assert_eq!(theirs.live(), Live::default());
+            drop((buffer, ours));
+        }
+        // Still usable: nothing of it was destroyed.
+        drop(Buffer::new(theirs, &desc).unwrap());
+        assert_eq!(host.finish(), Vec::<String>::new());
+    }
 }

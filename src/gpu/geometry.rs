@@ -1,7 +1,8 @@
 //! Meshes on the GPU: one vertex buffer and one index buffer for all of them.
 //!
-//! Attributes are separate streams. Meshes that need the same set of streams form a group; within a group each
-//! stream is one array over all its meshes, so a group is bound once and a draw only names its first vertex.
+//! Attributes are separate streams. Meshes that need the same set of streams form a group; within a group
+//! each stream is one array over all its meshes, so a group is bound once and a draw only names its first
+//! vertex.
 
 use super::{Buffer, BufferDesc, Device, MemoryUse, Upload};
 use crate::scene::Mesh;
@@ -135,8 +136,8 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Makes the buffers and gathers their contents in `upload`. `streams[i]` says what `meshes[i]` needs; an attribute
-    /// that the mesh lacks is filled up as glTF has it: white for colours, zero otherwise.
+    /// Makes the buffers and gathers their contents in `upload`. `streams[i]` says what `meshes[i]` needs; an
+    /// attribute that the mesh lacks is filled up as glTF has it: white for colours, zero otherwise.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if attribute lists are of different lengths or a count does not fit 32 bits;
@@ -333,7 +334,8 @@ mod tests {
         let meshes =
             [mesh(4, vec![0, 1, 2]), mesh(3, vec![0; 6]), mesh(65_536, vec![65_535; 3]), mesh(5, vec![4; 3])];
         let plan = plan(&meshes, &[lit, Streams::default(), lit, lit]).unwrap();
-        // Groups: positions only (3 vertices: 36 bytes), then positions and normals of 4 + 65,536 + 5 vertices.
+        // Groups: positions only (3 vertices: 36 bytes), then positions and normals of 4 + 65,536 + 5
+        // vertices.
         let group = |streams, offsets: &[u64]| StreamGroup { streams, offsets_bytes: offsets.to_vec() };
         assert_eq!(plan.groups, [group(Streams::default(), &[0]), group(lit, &[36, 36 + 65_545 * 12])]);
         assert_eq!(plan.vertex_bytes, 36 + 2 * 65_545 * 12);
@@ -357,10 +359,10 @@ mod tests {
         let mut m = mesh(2, vec![]);
         m.texcoords[1] = vec![Vec2::new(1.0, 2.0), Vec2::new(3.0, 4.0)];
         let both = Streams { texcoords: [true, true], ..Default::default() };
-        let floats: Vec<f32> = bytemuck::pod_collect_to_vec(&attribute(&m, StreamKind::Texcoords, both));
-        assert_eq!(floats, [0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 3.0, 4.0]);
-        let white: Vec<f32> = bytemuck::pod_collect_to_vec(&attribute(&m, StreamKind::Color, both));
-        assert_eq!(white, [1.0; 8]);
+        let bytes = |floats: [f32; 8]| bytemuck::cast::<[f32; 8], [u8; 32]>(floats);
+        let interleaved = attribute(&m, StreamKind::Texcoords, both);
+        assert_eq!(*interleaved, bytes([0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 3.0, 4.0]));
+        assert_eq!(*attribute(&m, StreamKind::Color, both), bytes([1.0; 8]));
     }
 
     #[test]

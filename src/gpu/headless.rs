@@ -13,10 +13,11 @@ const DRIVER_REMEDY: &str =
 /// How to make a [`Headless`].
 #[derive(Clone, Debug, Default)]
 pub struct HeadlessOptions {
-    /// Take the first device whose name or driver contains this, whatever its case. Otherwise the best by type:
-    /// discrete, integrated, virtual, CPU.
+    /// Take the first device whose name or driver contains this, whatever its case. Otherwise the best by
+    /// type: discrete, integrated, virtual, CPU.
     pub device_name_part: Option<String>,
-    /// Run under the Khronos validation layer (core, synchronisation and best practices) and collect its messages.
+    /// Run under the Khronos validation layer (core, synchronisation and best practices) and collect its
+    /// messages.
     pub validate: bool,
     /// Told to the driver.
     pub application_name: String,
@@ -33,8 +34,8 @@ impl Headless {
     /// Loads Vulkan and makes a device of version 1.1 with one graphics queue.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] without a loader, a driver, a device that matches, or (if asked for) the validation
-    /// layer; [`Error::Vulkan`] if a call fails.
+    /// [`Error::Unsupported`] without a loader, a driver, a device that matches, or (if asked for) the
+    /// validation layer; [`Error::Vulkan`] if a call fails.
     pub fn new(options: &HeadlessOptions) -> Result<Self> {
         let instance = OwnedInstance::new(&options.application_name, options.validate)?;
         let messages = (*instance.messages).clone();
@@ -294,4 +295,32 @@ fn layer_extensions(entry: &ash::Entry) -> Result<Vec<CString>> {
     let offered = unsafe { entry.enumerate_instance_extension_properties(Some(VALIDATION_LAYER)) }
         .called("vkEnumerateInstanceExtensionProperties")?;
     Ok(offered.iter().filter_map(|e| e.extension_name_as_c_str().ok().map(CStr::to_owned)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::DeviceType;
+
+    #[test]
+    fn the_name_part_decides() {
+        let caps = |name: &str| Caps { name: name.into(), driver: "Mesa".into(), ..Default::default() };
+        let (fast, slow) = (caps("Fast GPU"), caps("llvmpipe"));
+        let all = [&fast, &slow];
+        assert_eq!(best(&all, None).unwrap(), 0);
+        assert_eq!(best(&all, Some("LLVM")).unwrap(), 1);
+        assert_eq!(best(&all, Some("mesa")).unwrap(), 0);
+        let error = best(&all, Some("nothing")).unwrap_err().to_string();
+        assert!(error.contains("Fast GPU (Mesa), llvmpipe (Mesa)"), "{error}");
+        let error = best(&[], None).unwrap_err().to_string();
+        assert!(error.contains("mesa-vulkan-drivers"), "{error}");
+    }
+
+    #[test]
+    fn faster_kinds_come_first() {
+        use DeviceType::*;
+        let mut kinds = [Cpu, Other, Integrated, Discrete, Virtual];
+        kinds.sort();
+        assert_eq!(kinds, [Discrete, Integrated, Virtual, Cpu, Other]);
+    }
 }

@@ -69,16 +69,20 @@ impl Image {
         Self::with_memory(device, desc, false)
     }
 
-    /// Makes an attachment whose content never outlives its render pass: TRANSIENT_ATTACHMENT usage, and lazily
-    /// allocated memory where the device has it, so that a tiler need not back it by any memory.
+    /// Makes an attachment whose content never outlives its render pass: TRANSIENT_ATTACHMENT usage, and
+    /// lazily allocated memory where the device has it, so that a tiler need not back it by any memory.
     ///
-    /// With `capture` the memory is ordinary, because frame debuggers cannot read lazily allocated memory.
+    /// With `capture` it is an ordinary image with the same content: frame debuggers copy from images, which
+    /// neither lazily allocated memory nor TRANSIENT_ATTACHMENT usage allows.
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn transient(device: &Device, desc: &ImageDesc<'_>, capture: bool) -> Result<Self> {
+        if capture {
+            return Self::new(device, desc);
+        }
         let usage = desc.usage | vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
-        Self::with_memory(device, &ImageDesc { usage, ..*desc }, !capture)
+        Self::with_memory(device, &ImageDesc { usage, ..*desc }, true)
     }
 
     fn with_memory(device: &Device, desc: &ImageDesc<'_>, lazy: bool) -> Result<Self> {
@@ -115,8 +119,8 @@ impl Image {
         Ok(image)
     }
 
-    /// A view of some mip levels and all layers. Shaders see depth, not stencil, of a combined format's image only
-    /// through a view of one aspect, so attachments get a view of both and all other uses one of depth.
+    /// A view of some mip levels and all layers. Shaders see depth, not stencil, of a combined format's image
+    /// only through a view of one aspect, so attachments get a view of both and all other uses one of depth.
     ///
     /// # Errors
     /// [`Error::Vulkan`].
@@ -202,8 +206,8 @@ impl Image {
         self.memory.bytes()
     }
 
-    /// What the driver has committed to lazily allocated memory so far (vkGetDeviceMemoryCommitment); `None` for
-    /// ordinary memory, which is committed in full.
+    /// What the driver has committed to lazily allocated memory so far (vkGetDeviceMemoryCommitment); `None`
+    /// for ordinary memory, which is committed in full.
     pub fn committed_bytes(&self) -> Option<u64> {
         self.memory.committed_bytes()
     }
@@ -229,10 +233,24 @@ fn image_memory(device: &Device, image: vk::Image, lazy: bool, name: &str) -> Re
 /// Fails, with the device's own limits, for an image that must not even be asked for.
 fn check_support(device: &Device, desc: &ImageDesc<'_>) -> Result<()> {
     let [width, height] = desc.size;
+    let what = || format!("image '{}' ({width}x{height}, {:?}, {:?})", desc.name, desc.format, desc.usage);
+    let unsupported = || {
+        Error::unsupported(
+            format!("{} is of a format that the device does not support for this use", what()),
+            "choose another format or device",
+        )
+    };
+    let (instance, physical_device) = (device.instance(), device.physical_device());
+    // Asked first, because the second question about a format without support is an error in itself.
     // SAFETY: the physical device is alive.
+    let properties = unsafe { instance.get_physical_device_format_properties(physical_device, desc.format) };
+    if !properties.optimal_tiling_features.contains(features_for(desc.usage)) {
+        return Err(unsupported());
+    }
+    // SAFETY: as above.
     let limits = unsafe {
-        device.instance().get_physical_device_image_format_properties(
-            device.physical_device(),
+        instance.get_physical_device_image_format_properties(
+            physical_device,
             desc.format,
             vk::ImageType::TYPE_2D,
             vk::ImageTiling::OPTIMAL,
@@ -240,22 +258,23 @@ fn check_support(device: &Device, desc: &ImageDesc<'_>) -> Result<()> {
             vk::ImageCreateFlags::empty(),
         )
     };
-    let what = || format!("image '{}' ({width}x{height}, {:?}, {:?})", desc.name, desc.format, desc.usage);
     let limits = match limits {
-        Err(vk::Result::ERROR_FORMAT_NOT_SUPPORTED) => {
-            return Err(Error::unsupported(
-                format!("{} is of a format that the device does not support for this use", what()),
-                "choose another format or device",
-            ));
-        }
+        Err(vk::Result::ERROR_FORMAT_NOT_SUPPORTED) => return Err(unsupported()),
         other => other.called("vkGetPhysicalDeviceImageFormatProperties")?,
     };
+    // The least that it can take; unknown formats count as nothing.
+    let bytes =
+        [width, height, desc.layers, desc.samples.as_raw(), super::texel_bytes(desc.format).unwrap_or(0)]
+            .into_iter()
+            .map(u64::from)
+            .fold(1, u64::saturating_mul);
     let max = limits.max_extent;
     let fits = (1..=max.width).contains(&width)
         && (1..=max.height).contains(&height)
         && (1..=limits.max_mip_levels).contains(&desc.levels)
         && (1..=limits.max_array_layers).contains(&desc.layers)
-        && limits.sample_counts.contains(desc.samples);
+        && limits.sample_counts.contains(desc.samples)
+        && bytes <= limits.max_resource_size;
     if fits {
         return Ok(());
     }
@@ -268,10 +287,29 @@ fn check_support(device: &Device, desc: &ImageDesc<'_>) -> Result<()> {
             desc.samples
         ),
         format!(
-            "stay within 1x1 to {}x{}, {} levels, {} layers, {:?} samples",
-            max.width, max.height, limits.max_mip_levels, limits.max_array_layers, limits.sample_counts
+            "stay within 1x1 to {}x{}, {} levels, {} layers, {:?} samples, {} bytes",
+            max.width,
+            max.height,
+            limits.max_mip_levels,
+            limits.max_array_layers,
+            limits.sample_counts,
+            limits.max_resource_size
         ),
     ))
+}
+
+/// What a format must support to be used like this (Vulkan 1.3, 48.1.1, "Potential Format Features").
+fn features_for(usage: vk::ImageUsageFlags) -> vk::FormatFeatureFlags {
+    use vk::{FormatFeatureFlags as F, ImageUsageFlags as U};
+    let table = [
+        (U::SAMPLED, F::SAMPLED_IMAGE),
+        (U::STORAGE, F::STORAGE_IMAGE),
+        (U::COLOR_ATTACHMENT, F::COLOR_ATTACHMENT),
+        (U::DEPTH_STENCIL_ATTACHMENT, F::DEPTH_STENCIL_ATTACHMENT),
+        (U::TRANSFER_SRC, F::TRANSFER_SRC),
+        (U::TRANSFER_DST, F::TRANSFER_DST),
+    ];
+    table.iter().filter(|(u, _)| usage.contains(*u)).fold(F::empty(), |all, (_, f)| all | *f)
 }
 
 /// The aspects of a format.

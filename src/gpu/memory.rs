@@ -117,8 +117,8 @@ impl Memory {
     pub(crate) fn committed_bytes(&self) -> Option<u64> {
         match &self.block {
             Block::Shared(_) => None,
-            // SAFETY: the memory is alive and of a lazily allocated type.
             Block::Lazy(memory) => {
+                // SAFETY: the memory is alive and of a lazily allocated type.
                 Some(unsafe { self.device.raw().get_device_memory_commitment(memory.raw()) })
             }
         }

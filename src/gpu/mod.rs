@@ -10,8 +10,8 @@
 //!   finished; [`Commands`] waits on its own.
 //! - What a host passes in through [`HostDevice`] stays the host's: it is used and never destroyed.
 //!
-//! Memory comes from one place ([`Memory`](memory::Memory)) and every object is counted, so [`Device::live`] tells
-//! at any time what exists. Commands are recorded through a [`Recorder`], which stands for a command buffer in the
+//! Memory comes from one place (`memory.rs`) and every object is counted, so [`Device::live`] tells at any
+//! time what exists. Commands are recorded through a [`Recorder`], which stands for a command buffer in the
 //! recording state, a host's or our own. Nothing here waits for the GPU except [`Commands`].
 
 mod buffer;
@@ -27,6 +27,7 @@ mod headless;
 mod image;
 mod info;
 mod memory;
+mod offscreen;
 mod owned;
 mod pass;
 mod pipeline;
@@ -52,6 +53,7 @@ pub use headless::{Headless, HeadlessOptions};
 pub use image::{Image, ImageDesc};
 pub use info::devices;
 pub use memory::MemoryUse;
+pub use offscreen::Offscreen;
 pub use owned::{Live, Object, Owned};
 pub use query::{PipelineStatistics, Queries, QueryResults};
 pub use readback::{Readback, texel_bytes};

@@ -11,14 +11,15 @@ pub trait Object: Handle + Copy + std::fmt::Debug {
     /// Destroys the object.
     ///
     /// # Safety
-    /// The object was created by this device with its allocation callbacks, nothing on the GPU uses it any more,
-    /// and it is not used afterwards.
+    /// The object was created by this device with its allocation callbacks, nothing on the GPU uses it any
+    /// more, and it is not used afterwards.
     unsafe fn destroy(self, device: &Device);
 }
 
 /// A Vulkan object that is destroyed when its owner is dropped.
 ///
-/// The owner does not know whether the GPU still uses the object; whoever submits work keeps it alive long enough.
+/// The owner does not know whether the GPU still uses the object; whoever submits work keeps it alive long
+/// enough.
 #[derive(Debug)]
 pub struct Owned<H: Object> {
     raw: H,
@@ -65,8 +66,7 @@ macro_rules! objects {
             }
         )+
 
-        // The few kinds that this crate never creates through the table keep their creation function unused.
-        #[allow(dead_code)]
+        #[allow(dead_code, reason = "one table for all kinds; not every kind needs its creation function")]
         impl Device {
             $(
                 #[doc = concat!("Calls `", $call, "` and names the object.")]

@@ -6,8 +6,8 @@ use ash::vk;
 
 /// Timestamps and pipeline statistics for several frames in flight.
 ///
-/// Each frame slot is reset and filled by one command buffer at a time; its results are there once that has been
-/// executed, and reading them never waits.
+/// Each frame slot is reset and filled by one command buffer at a time; its results are there once that has
+/// been executed, and reading them never waits.
 #[derive(Debug)]
 pub struct Queries {
     timestamps: Option<Owned<vk::QueryPool>>,
@@ -38,7 +38,8 @@ pub struct PipelineStatistics {
 }
 
 impl Queries {
-    /// Makes pools for `timestamps_per_frame` timestamps and one set of statistics in each of `frames` frame slots.
+    /// Makes pools for `timestamps_per_frame` timestamps and one set of statistics in each of `frames` frame
+    /// slots.
     ///
     /// # Errors
     /// [`Error::Vulkan`].
@@ -90,8 +91,8 @@ impl Queries {
         }
     }
 
-    /// Records timestamp `index` of a frame slot: the time when all earlier commands have passed `stage`. An index beyond
-    /// the slot's count records nothing.
+    /// Records timestamp `index` of a frame slot: the time when all earlier commands have passed `stage`. An
+    /// index beyond the slot's count records nothing.
     pub fn timestamp(&self, recorder: &Recorder<'_>, frame: u32, index: u32, stage: vk::PipelineStageFlags) {
         let Some(pool) = self.timestamps.as_ref().filter(|_| index < self.per_frame) else { return };
         let query = (frame % self.frames) * self.per_frame + index;
@@ -114,7 +115,8 @@ impl Queries {
         unsafe { self.device.raw().cmd_end_query(recorder.raw(), pool.raw(), frame % self.frames) };
     }
 
-    /// What a frame slot's queries say so far; every timestamp of the slot must have been recorded for any to be told.
+    /// What a frame slot's queries say so far; every timestamp of the slot must have been recorded for any to
+    /// be told.
     ///
     /// # Errors
     /// [`Error::Vulkan`], e.g. when the device was lost.

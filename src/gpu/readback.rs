@@ -32,12 +32,12 @@ impl Readback {
         Ok(Self { buffer, size, format })
     }
 
-    /// Records the copy of one mip level of an image's first layer. It waits for all that writes attachments or
-    /// copies, takes the image from layout `from` and leaves it in `to`.
+    /// Records the copy of one mip level of an image's first layer. It waits for all that writes attachments
+    /// or copies, takes the image from layout `from` and leaves it in `to`.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] if the image's format or the level's size is another than this was made for, or the
-    /// image lacks the usage TRANSFER_SRC.
+    /// [`Error::Unsupported`] if the image's format or the level's size is another than this was made for, or
+    /// the image lacks the usage TRANSFER_SRC.
     pub fn record(
         &self,
         recorder: &Recorder<'_>,
@@ -81,8 +81,8 @@ impl Readback {
                 .image(image.raw())
                 .subresource_range(range)
         };
-        let before = barrier(from, source_layout, WRITES, vk::AccessFlags::TRANSFER_READ);
-        let after = barrier(source_layout, to, vk::AccessFlags::empty(), vk::AccessFlags::empty());
+        let before = barrier(from, source_layout, access_in(from), vk::AccessFlags::TRANSFER_READ);
+        let after = barrier(source_layout, to, vk::AccessFlags::empty(), access_in(to));
         let after = if to == source_layout { &[][..] } else { &[after] };
         let to_host = vk::MemoryBarrier::default()
             .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
@@ -138,12 +138,25 @@ const WRITERS: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw(
         | vk::PipelineStageFlags::TRANSFER.as_raw(),
 );
 
-/// What those stages write.
-const WRITES: vk::AccessFlags = vk::AccessFlags::from_raw(
-    vk::AccessFlags::COLOR_ATTACHMENT_WRITE.as_raw()
-        | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE.as_raw()
-        | vk::AccessFlags::TRANSFER_WRITE.as_raw(),
-);
+/// What those stages may do to an image in this layout.
+fn access_in(layout: vk::ImageLayout) -> vk::AccessFlags {
+    use vk::{AccessFlags as A, ImageLayout as L};
+    match layout {
+        L::COLOR_ATTACHMENT_OPTIMAL => A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE,
+        L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL => {
+            A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE
+        }
+        L::DEPTH_STENCIL_READ_ONLY_OPTIMAL => A::DEPTH_STENCIL_ATTACHMENT_READ | A::SHADER_READ,
+        L::SHADER_READ_ONLY_OPTIMAL => A::SHADER_READ,
+        L::TRANSFER_SRC_OPTIMAL => A::TRANSFER_READ,
+        L::TRANSFER_DST_OPTIMAL => A::TRANSFER_WRITE,
+        L::GENERAL => {
+            A::COLOR_ATTACHMENT_WRITE | A::DEPTH_STENCIL_ATTACHMENT_WRITE | A::TRANSFER_WRITE | A::SHADER_READ
+        }
+        // Presentation is ordered by semaphores, and an undefined content by nothing.
+        _ => A::empty(),
+    }
+}
 
 /// The size of one texel in a tightly packed copy of the format's first aspect.
 ///

@@ -25,8 +25,8 @@ pub struct TextureKey {
     pub encoding: ColorEncoding,
 }
 
-/// Images and samplers of the textures that a scene's materials use. Each picture is uploaded once per encoding, each
-/// combination of filters and wrapping is one sampler.
+/// Images and samplers of the textures that a scene's materials use. Each picture is uploaded once per
+/// encoding, each combination of filters and wrapping is one sampler.
 #[derive(Debug)]
 pub struct Textures {
     bindings: HashMap<TextureKey, (vk::ImageView, vk::Sampler)>,
@@ -40,12 +40,12 @@ pub struct Textures {
 type ImageKey = (usize, ColorEncoding);
 
 impl Textures {
-    /// Makes images for what is wanted, with a full mip chain where one of their samplers uses mips, and gathers their
-    /// contents in `upload`; they can be sampled after that was recorded.
+    /// Makes images for what is wanted, with a full mip chain where one of their samplers uses mips, and
+    /// gathers their contents in `upload`; they can be sampled after that was recorded.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for an index out of range, a picture whose bytes do not fit its size or whose size the
-    /// device does not support; [`Error::Vulkan`].
+    /// [`Error::Unsupported`] for an index out of range, a picture whose bytes do not fit its size or whose
+    /// size the device does not support; [`Error::Vulkan`].
     pub fn new(
         device: &Device,
         upload: &mut Upload,
@@ -166,8 +166,8 @@ impl SamplerCache {
 
     /// The sampler for these settings, made at its first use; valid as long as the cache.
     ///
-    /// A sampler that uses no mips differs from one that takes the nearest only by the view it goes with: level 0
-    /// alone. (Clamping the level of detail instead is slow on Mali.)
+    /// A sampler that uses no mips differs from one that takes the nearest only by the view it goes with:
+    /// level 0 alone. (Clamping the level of detail instead is slow on Mali.)
     ///
     /// # Errors
     /// [`Error::Vulkan`].

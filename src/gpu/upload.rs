@@ -61,8 +61,8 @@ impl Upload {
     /// Fills a part of a buffer. Parts given before one [`Self::record`] must not overlap.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] if it does not fit or the buffer is no transfer target; [`Error::Vulkan`] without
-    /// staging memory.
+    /// [`Error::Unsupported`] if it does not fit or the buffer is no transfer target; [`Error::Vulkan`]
+    /// without staging memory.
     pub fn buffer(&mut self, target: &Buffer, offset_bytes: u64, content: &[u8]) -> Result<()> {
         let end = offset_bytes.checked_add(content.len() as u64);
         let fits = end.is_some_and(|end| end <= target.size_bytes());
@@ -88,11 +88,12 @@ impl Upload {
         Ok(())
     }
 
-    /// Fills the mip levels of an image's first layer, all of them, level 0 first, rows tightly packed; the image
-    /// becomes SHADER_READ_ONLY_OPTIMAL. What it held before is lost.
+    /// Fills the mip levels of an image's first layer, all of them, level 0 first, rows tightly packed; the
+    /// image becomes SHADER_READ_ONLY_OPTIMAL. What it held before is lost.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] if levels or sizes are not the image's; [`Error::Vulkan`] without staging memory.
+    /// [`Error::Unsupported`] if levels or sizes are not the image's; [`Error::Vulkan`] without staging
+    /// memory.
     pub fn image(&mut self, target: &Image, levels: &[&[u8]]) -> Result<()> {
         let texel = u64::from(texel_bytes(target.format())?);
         let size = |level: u32| target.size().map(|n| (n >> level).max(1));
@@ -150,8 +151,9 @@ impl Upload {
         self.chunks.iter().map(Buffer::size_bytes).sum()
     }
 
-    /// Records the copies gathered so far, with the barriers around them: earlier reads of the buffers and images are
-    /// waited for, and later vertex, index, indirect and shader reads (as their usage allows) see the new content.
+    /// Records the copies gathered so far, with the barriers around them: earlier reads of the buffers and
+    /// images are waited for, and later vertex, index, indirect and shader reads (as their usage allows) see
+    /// the new content.
     ///
     /// Further contents may be gathered and recorded afterwards.
     pub fn record(&mut self, recorder: &Recorder<'_>) {

@@ -20,9 +20,9 @@ impl Messages {
 
     /// A description of the messenger, for an instance's or a messenger's creation.
     ///
-    /// The messages must stay alive (any clone of them at a stable address: this one) as long as what is created.
-    pub(super) fn messenger_info(self: &Box<Self>) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
-        let user_data: *const Self = &**self;
+    /// Its owner keeps `self` at this address until what is created with it is gone.
+    pub(super) fn messenger_info(&self) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
+        let user_data: *const Self = self;
         vk::DebugUtilsMessengerCreateInfoEXT::default()
             .message_severity(
                 vk::DebugUtilsMessageSeverityFlagsEXT::WARNING | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,

@@ -118,7 +118,7 @@ pub struct DeviceFigures {
     /// Median GPU time of each stage by timestamps, milliseconds, where the device tells them apart.
     pub gpu_stage_ms: Vec<(String, Figure)>,
     /// Median CPU time of recording a frame, milliseconds.
-    pub cpu_record_ms: Option<Figure>,
+    pub cpu_record_ms: Option<f64>,
     /// Pipeline statistics of the last frame: name and count.
     pub statistics: Vec<(String, Figure)>,
     /// Draw calls of a frame.

@@ -1,8 +1,8 @@
 //! Mip chains, averaged in linear light.
 //!
-//! A level's texel is the mean of the area it covers in the level above. Where a size is odd, that area takes in
-//! parts of texels, which count by their share (so nothing shifts and nothing is dropped). Levels stay in floating
-//! point until they are encoded, so rounding does not add up.
+//! A level's texel is the mean of the area it covers in the level above. Where a size is odd, that area takes
+//! in parts of texels, which count by their share (so nothing shifts and nothing is dropped). Levels stay in
+//! floating point until they are encoded, so rounding does not add up.
 
 use super::Image;
 use rayon::prelude::*;
@@ -25,8 +25,8 @@ pub fn mip_level_count(width: u32, height: u32) -> u32 {
 
 /// Levels 1 and up of an image's mip chain, down to 1 x 1; level 0 is the image.
 ///
-/// With `srgb`, red, green and blue are decoded (IEC 61966-2-1) before they are averaged and encoded again; alpha
-/// always is linear.
+/// With `srgb`, red, green and blue are decoded (IEC 61966-2-1) before they are averaged and encoded again;
+/// alpha always is linear.
 pub fn mipmaps(image: &Image, srgb: bool) -> Vec<MipLevel> {
     let decode = decode_table(srgb);
     let texel = |i: usize| {
@@ -74,8 +74,8 @@ fn reduce(from: [u32; 2], to: [u32; 2], texel: impl Fn(usize) -> Texel + Sync) -
     out
 }
 
-/// The texels that one texel of half the size covers along an axis, and their shares: one texel (nothing to halve),
-/// two of a half each (even sizes), or three (odd sizes).
+/// The texels that one texel of half the size covers along an axis, and their shares: one texel (nothing to
+/// halve), two of a half each (even sizes), or three (odd sizes).
 struct Taps {
     first: usize,
     weights: [f32; 3],
@@ -84,8 +84,8 @@ struct Taps {
 
 impl Taps {
     fn new(index: u32, from: u32, to: u32) -> Self {
-        // In units of 1 / to of a source texel, the area is [index * from, (index + 1) * from]; source texel `s` is
-        // [s * to, (s + 1) * to]. Integers, so the shares are exact.
+        // In units of 1 / to of a source texel, the area is [index * from, (index + 1) * from]; source texel
+        // `s` is [s * to, (s + 1) * to]. Integers, so the shares are exact.
         let (index, from, to) = (u64::from(index), u64::from(from), u64::from(to));
         let (start, end) = (index * from, (index + 1) * from);
         let first = start / to;
@@ -200,7 +200,8 @@ mod tests {
         levels
     }
 
-    /// Rounding to a byte is off by half at most; f32 sums and powers add far less than this on the 0 to 255 scale.
+    /// Rounding to a byte is off by half at most; f32 sums and powers add far less than this on the 0 to 255
+    /// scale.
     const ROUNDING: f64 = 0.5 + 1e-3;
 
     #[test]

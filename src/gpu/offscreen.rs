@@ -1,0 +1,226 @@
+//! A host without a window: renders to an image of its own and reads it back. For the program and for tests.
+
+use std::time::Instant;
+
+use ash::vk;
+
+use super::{
+    Commands, Device, Image, ImageDesc, OutputImage, PipelineCache, QueryResults, Readback, Renderer,
+    RendererConfig, Target, View, conv,
+};
+use crate::picture::{Picture, Pixels};
+use crate::plan::{DeviceFigures, Figure, Format, Plan, Report, State};
+use crate::scene::Scene;
+use crate::{Error, Result};
+
+/// A renderer with its output image, command buffer and readback.
+pub struct Offscreen {
+    // In order of destruction; `commands` waits for the GPU first.
+    commands: Commands,
+    target: Target,
+    readback: Readback,
+    output: Image,
+    renderer: Renderer,
+    measured: Vec<Measured>,
+}
+
+/// What one frame took.
+struct Measured {
+    record_ms: f64,
+    queries: QueryResults,
+}
+
+impl Offscreen {
+    /// Makes the renderer and its image, and uploads the scene.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn new(
+        device: &Device,
+        scene: &Scene,
+        plan: Plan,
+        config: RendererConfig,
+        cache: &PipelineCache,
+    ) -> Result<Self> {
+        let mut renderer = Renderer::new(device, scene, plan, config, cache)?;
+        Commands::run(device, "upload", |recorder| {
+            renderer.record_upload(recorder);
+            Ok(())
+        })?;
+        renderer.finish_upload();
+        let plan = renderer.plan();
+        let planned = &plan.attachments[0];
+        let format = conv::format(planned.format);
+        let usage = conv::usage(planned.usage) | vk::ImageUsageFlags::TRANSFER_SRC;
+        let size = plan.options.size;
+        let output = Image::new(device, &ImageDesc::new("output", format, size, usage))?;
+        let target = renderer.create_target(&[OutputImage { image: output.raw(), view: output.view() }])?;
+        let readback = Readback::new(device, format, size)?;
+        let commands = Commands::new(device, "frame")?;
+        Ok(Self { commands, target, readback, output, renderer, measured: Vec::new() })
+    }
+
+    /// Renders one frame, waits for it and measures it.
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`], e.g. when the device is lost.
+    pub fn render(&mut self, view: &View<'_>) -> Result<()> {
+        let Self { commands, target, readback, output, renderer, measured } = self;
+        let layout = conv::layout(State::after_frame(renderer.plan().options.output_use));
+        let record_ms = commands.record(|recorder| {
+            let start = Instant::now();
+            renderer.record(recorder, 0, target, 0, view);
+            let record_ms = start.elapsed().as_secs_f64() * 1e3;
+            readback.record(recorder, output, 0, layout, layout)?;
+            Ok(record_ms)
+        })?;
+        commands.submit()?;
+        commands.wait()?;
+        measured.push(Measured { record_ms, queries: renderer.query_results(0)? });
+        Ok(())
+    }
+
+    /// The last frame: 8 bits sRGB or linear floats, as the plan's output format is.
+    pub fn picture(&self) -> Picture {
+        let [width, height] = self.readback.size();
+        let format = self.renderer.plan().attachments[0].format;
+        let texels = self.readback.texels();
+        let pixels = match format {
+            Format::Rgba8Srgb => Pixels::Rgba8(texels.to_vec()),
+            Format::Bgra8Srgb => {
+                Pixels::Rgba8(texels.chunks_exact(4).flat_map(|t| [t[2], t[1], t[0], t[3]]).collect())
+            }
+            _ => Pixels::Rgba32F(decode(format, texels)),
+        };
+        Picture { width, height, pixels }
+    }
+
+    /// What an attachment held when the last frame ended, four floats a pixel (absent channels 0), colours linear.
+    /// Only attachments that the plan stores can be read: `Options::keep_gbuffer`.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if there is no such attachment or it is not stored.
+    pub fn attachment(&self, name: &str) -> Result<Vec<f32>> {
+        let plan = self.renderer.plan();
+        let index =
+            plan.attachments.iter().position(|a| a.name == name && a.usage.copy_source && !a.is_output);
+        let image = index.and_then(|i| self.target.attachment(i));
+        let (Some(index), Some(image)) = (index, image) else {
+            return Err(Error::unsupported(
+                format!("no attachment '{name}' can be read back"),
+                "make a plan with `keep_gbuffer` that has it",
+            ));
+        };
+        let uses = plan.passes.iter().flat_map(|p| &p.attachments).filter(|a| a.attachment == index);
+        let layout = uses.last().map_or(vk::ImageLayout::UNDEFINED, |a| conv::layout(a.last));
+        let readback = Readback::new(self.renderer.device(), image.format(), image.size())?;
+        Commands::run(self.renderer.device(), "read attachment", |recorder| {
+            readback.record(recorder, image, 0, layout, layout)
+        })?;
+        Ok(decode(plan.attachments[index].format, readback.texels()))
+    }
+
+    /// The renderer.
+    pub fn renderer(&self) -> &Renderer {
+        &self.renderer
+    }
+
+    /// The ledger with what the device said about the frames so far.
+    pub fn report(&self, scene: &Scene) -> Report {
+        let plan = self.renderer.plan();
+        let device = self.renderer.device();
+        let mut report = plan.report(scene);
+        for (index, attachment) in report.attachments.iter_mut().enumerate() {
+            let Some(image) = self.target.attachment(index) else { continue };
+            let committed = image.committed_bytes();
+            attachment.lazily_allocated = Some(committed.is_some());
+            attachment.committed_bytes = committed.map(|bytes| Figure::driver(bytes as f64));
+        }
+        let median_of = |value: &dyn Fn(&Measured) -> Option<f64>| {
+            median(self.measured.iter().filter_map(value).collect())
+        };
+        let until = |m: &Measured, index: usize| Some(m.queries.timestamps_ns.as_ref()?.get(index)? * 1e-6);
+        let last = self.measured.last();
+        let stamps = last.and_then(|m| m.queries.timestamps_ns.as_ref()).map_or(0, Vec::len);
+        let stages = if stamps > 2 { plan.stage_count() } else { 0 };
+        let stage_ms = (0..stages).filter_map(|stage| {
+            let ms = median_of(&|m| Some(until(m, stage + 1)? - until(m, stage)?))?;
+            Some((plan.subpass(stage).2.name.to_owned(), Figure::driver(ms)))
+        });
+        let statistics = last.and_then(|m| m.queries.statistics).map(|s| {
+            [
+                ("vertex shader invocations", s.vertex_invocations),
+                ("primitives after clipping", s.clipping_primitives),
+                ("fragment shader invocations", s.fragment_invocations),
+            ]
+        });
+        let statistics = statistics.into_iter().flatten();
+        let recorded = self.renderer.recorded();
+        report.device = Some(DeviceFigures {
+            device: device.caps().name.clone(),
+            driver: device.caps().driver.clone(),
+            has_lazy_memory: device.caps().lazily_allocated_memory,
+            gpu_frame_ms: median_of(&|m| until(m, stamps.checked_sub(1)?)).map(Figure::driver),
+            gpu_stage_ms: stage_ms.collect(),
+            cpu_record_ms: median_of(&|m| Some(m.record_ms)),
+            statistics: statistics.map(|(name, n)| (name.to_owned(), Figure::driver(n as f64))).collect(),
+            draws: recorded.draws,
+            state_changes: recorded.state_changes,
+            frames: self.measured.len(),
+            allocated_bytes: self.renderer.scene_bytes(),
+            validation_messages: None,
+        });
+        report
+    }
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    (n > 0).then(|| (values[(n - 1) / 2] + values[n / 2]) * 0.5)
+}
+
+/// Texels as four floats each; sRGB-encoded colours become linear.
+fn decode(format: Format, texels: &[u8]) -> Vec<f32> {
+    let unorm8 = |v: u8| f32::from(v) / 255.0;
+    let srgb8 = |v: u8| crate::picture::linear_from_srgb(unorm8(v));
+    let bytes4 = texels.chunks_exact(4);
+    let word = |t: &[u8]| u32::from_le_bytes([t[0], t[1], t[2], t[3]]);
+    match format {
+        Format::R32Float | Format::D32Float => {
+            bytes4.flat_map(|t| [f32::from_bits(word(t)), 0.0, 0.0, 0.0]).collect()
+        }
+        Format::Rgba32Float => bytes4.map(|t| f32::from_bits(word(t))).collect(),
+        Format::Rgba8Unorm => texels.iter().copied().map(unorm8).collect(),
+        Format::Rgba8Srgb => {
+            bytes4.flat_map(|t| [srgb8(t[0]), srgb8(t[1]), srgb8(t[2]), unorm8(t[3])]).collect()
+        }
+        Format::Bgra8Srgb => {
+            bytes4.flat_map(|t| [srgb8(t[2]), srgb8(t[1]), srgb8(t[0]), unorm8(t[3])]).collect()
+        }
+        Format::Rgb10a2Unorm => bytes4
+            .map(word)
+            .flat_map(|w| {
+                [0, 10, 20]
+                    .map(|s| (w >> s & 1023) as f32 / 1023.0)
+                    .into_iter()
+                    .chain([(w >> 30) as f32 / 3.0])
+            })
+            .collect(),
+        Format::Rgba16Float => {
+            texels.chunks_exact(2).map(|t| half_to_f32(u16::from_le_bytes([t[0], t[1]]))).collect()
+        }
+    }
+}
+
+/// IEEE 754 binary16 to binary32.
+fn half_to_f32(h: u16) -> f32 {
+    let sign = if h & 0x8000 != 0 { -1.0 } else { 1.0 };
+    let fraction = f32::from(h & 0x3ff) / 1024.0;
+    match (h >> 10) & 0x1f {
+        0 => sign * fraction * 2.0_f32.powi(-14),
+        31 if fraction == 0.0 => sign * f32::INFINITY,
+        31 => f32::NAN,
+        exponent => sign * (1.0 + fraction) * 2.0_f32.powi(i32::from(exponent) - 15),
+    }
+}
