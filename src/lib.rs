@@ -3,7 +3,7 @@
 #![deny(missing_docs)]
 
 mod error;
-mod file;
+pub mod file;
 pub mod gpu;
 pub mod measure;
 pub mod picture;

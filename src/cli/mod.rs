@@ -5,10 +5,9 @@ mod compare;
 mod info;
 mod plan;
 mod print;
-#[cfg_attr(not(test), expect(dead_code, reason = "not in `Command` yet"))]
 mod progress;
-#[cfg_attr(not(test), expect(dead_code, reason = "not in `Command` yet"))]
 mod render;
+mod scene;
 
 use std::process::ExitCode;
 
@@ -28,6 +27,9 @@ Exit status: 0 done, 1 failed with one message on standard error, 2 wrong usage.
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Render(render::RenderArgs),
+    Plan(plan::PlanCommandArgs),
+    Info(info::InfoArgs),
     Compare(compare::CompareArgs),
 }
 
@@ -42,6 +44,9 @@ pub fn main() -> ExitCode {
         }
     };
     let done = match &cli.command {
+        Command::Render(args) => render::run(args),
+        Command::Plan(args) => plan::run(args),
+        Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
     };
     match done {

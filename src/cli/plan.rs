@@ -1,8 +1,10 @@
 //! `ontile plan`
 
 use clap::Args;
+use ontile::plan::{Limits, Needs, OutputFormat, Plan, Report};
 
 use super::args::{PlanArgs, SceneArgs};
+use super::{print, scene};
 
 /// Show what would be created for a scene, and why; needs no device.
 ///
@@ -22,4 +24,29 @@ pub struct PlanCommandArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// A plan that prints as text, or as the ledger's schema.
+#[derive(serde::Serialize)]
+#[serde(transparent)]
+struct Printed {
+    report: Report,
+    #[serde(skip)]
+    plan: Plan,
+}
+
+impl std::fmt::Display for Printed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.plan.fmt(f)
+    }
+}
+
+/// Prints the plan of a PNG picture of the scene.
+pub fn run(args: &PlanCommandArgs) -> ontile::Result<()> {
+    let scene = scene::load(&args.scene)?;
+    scene::camera(&scene, &args.scene)?;
+    // No device is asked: the picture's size is its only limit that may go beyond the guaranteed ones.
+    let limits = Limits { max_image_size: u32::MAX, ..Limits::default() };
+    let plan = Plan::new(Needs::of(&scene), args.plan.options(OutputFormat::Rgba8Srgb), &limits)?;
+    print::value(&Printed { report: plan.report(&scene), plan }, args.json)
 }

@@ -31,3 +31,9 @@ pub fn error(error: &Error) {
     // Nobody is left to tell if standard error is closed.
     let _ = writeln!(io::stderr(), "ontile: {error}");
 }
+
+/// Something that the user should know, though the run goes on.
+pub fn warning(text: &str) {
+    // Nobody is left to tell if standard error is closed.
+    let _ = writeln!(io::stderr(), "ontile: warning: {text}");
+}

@@ -4,12 +4,17 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use ontile::gpu::{
+    Device, Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View,
+};
 use ontile::picture::Picture;
-use ontile::plan::Options;
+use ontile::plan::{Needs, Options, Plan, Report};
+use ontile::scene::{Camera, Scene};
 use ontile::{Error, Result, file};
-use serde::Serialize;
 
 use super::args::{Output, PlanArgs, SceneArgs};
+use super::progress::Progress;
+use super::scene;
 
 /// Render a scene to a picture.
 ///
@@ -64,18 +69,16 @@ impl RenderArgs {
     }
 }
 
-/// Renders with `render_frames` and writes the picture, then the report.
+/// Renders and writes the picture, then the report.
 ///
 /// Checks before the long work that both files can have a place.
-pub fn run<R: Serialize>(
-    args: &RenderArgs,
-    render_frames: impl FnOnce(&RenderArgs) -> Result<(Picture, R)>,
-) -> Result<()> {
+pub fn run(args: &RenderArgs) -> Result<()> {
     let report_path = args.run.report.as_deref();
     for path in [Some(args.output.path.as_path()), report_path].into_iter().flatten() {
         folder_exists(path)?;
     }
-    let (picture, report) = render_frames(args)?;
+    let scene = scene::load(&args.scene)?;
+    let (picture, report) = render(args, &scene)?;
     picture.write(&args.output.path)?;
     if let Some(path) = report_path {
         let mut json =
@@ -84,6 +87,51 @@ pub fn run<R: Serialize>(
         file::write_whole(path, json.as_bytes())?;
     }
     Ok(())
+}
+
+fn render(args: &RenderArgs, scene: &Scene) -> Result<(Picture, Report)> {
+    let camera = scene::camera(scene, &args.scene)?;
+    let host = Headless::new(&HeadlessOptions {
+        device_name_part: args.run.device.clone(),
+        validate: args.run.validate,
+        application_name: "ontile".into(),
+    })?;
+    let drawn = draw(args, scene, camera, host.device());
+    // Destroying the device may bring messages too, and is when some drivers tell what they did.
+    let messages = host.finish();
+    let (picture, mut report) = drawn?;
+    if args.run.validate {
+        if let Some(first) = messages.first() {
+            return Err(Error::unsupported(
+                format!("the validation layer has {} messages, first: {first}", messages.len()),
+                "report this as a bug of ontile or of the driver",
+            ));
+        }
+        if let Some(device) = &mut report.device {
+            device.validation_messages = Some(messages);
+        }
+    }
+    Ok((picture, report))
+}
+
+fn draw(args: &RenderArgs, scene: &Scene, camera: &Camera, device: &Device) -> Result<(Picture, Report)> {
+    let plan = Plan::new(Needs::of(scene), args.options(), &device.caps().limits())?;
+    let cache = PipelineCache::load(device)?;
+    let config = RendererConfig {
+        frames_in_flight: 1,
+        capture: args.run.capture,
+        stage_timestamps: args.run.report.is_some(),
+    };
+    let progress = Progress::of("preparing");
+    let mut offscreen = Offscreen::new(device, scene, plan, config, &cache)?;
+    drop(progress);
+    cache.store();
+    let progress = (args.run.frames > 1).then(|| Progress::of_steps("rendering", args.run.frames.into()));
+    for _ in 0..args.run.frames {
+        offscreen.render(&View { camera, exposure_ev: args.plan.exposure })?;
+        progress.iter().for_each(Progress::step);
+    }
+    Ok((offscreen.picture(), offscreen.report(scene)))
 }
 
 fn folder_exists(path: &Path) -> Result<()> {

@@ -96,6 +96,18 @@ pub struct MemoryType {
 }
 
 impl Caps {
+    /// The part that a plan depends on.
+    pub fn limits(&self) -> crate::plan::Limits {
+        let [width, height] = self.max_framebuffer_size;
+        crate::plan::Limits {
+            max_color_attachments: self.max_color_attachments.min(self.max_fragment_output_attachments),
+            max_input_attachments: self
+                .max_per_stage_descriptor_input_attachments
+                .min(self.max_descriptor_set_input_attachments),
+            max_image_size: self.max_image_dimension_2d.min(width).min(height),
+        }
+    }
+
     /// Asks the driver.
     ///
     /// # Safety

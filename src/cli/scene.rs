@@ -1,0 +1,27 @@
+//! From the arguments to a scene and a camera.
+
+use ontile::Result;
+use ontile::scene::{Camera, Scene};
+
+use super::args::SceneArgs;
+use super::progress::Progress;
+use super::print;
+
+/// Loads the scene, applies what the arguments change, and tells the loader's warnings.
+pub fn load(args: &SceneArgs) -> Result<Scene> {
+    let progress = Progress::of(format!("loading {}", args.scene.display()));
+    let mut scene = Scene::load(&args.scene)?;
+    drop(progress);
+    if let Some(ambient) = args.ambient {
+        scene.ambient_nt = ontile::glam::Vec3::splat(ambient);
+    }
+    for warning in &scene.warnings {
+        print::warning(warning);
+    }
+    Ok(scene)
+}
+
+/// The camera that the arguments name; the first by default.
+pub fn camera<'a>(scene: &'a Scene, args: &SceneArgs) -> Result<&'a Camera> {
+    scene.camera(args.camera.as_deref().unwrap_or("0"))
+}
