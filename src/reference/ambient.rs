@@ -8,12 +8,8 @@ use super::gbuffer::Attributes;
 /// Directional albedo of the specular lobe: Karis, "Physically Based Shading on Mobile", 2014, an analytic fit to
 /// the two integrals of his split-sum approximation.
 pub fn env_brdf(f0: DVec3, roughness: f64, n_dot_v: f64) -> DVec3 {
-    let r = [
-        1.0 - roughness,
-        0.0425 - 0.0275 * roughness,
-        1.04 - 0.572 * roughness,
-        -0.04 + 0.022 * roughness,
-    ];
+    let r =
+        [1.0 - roughness, 0.0425 - 0.0275 * roughness, 1.04 - 0.572 * roughness, -0.04 + 0.022 * roughness];
     let a004 = (r[0] * r[0]).min((-9.28 * n_dot_v).exp2()) * r[0] + r[1];
     f0 * (-1.04 * a004 + r[2]) + (1.04 * a004 + r[3])
 }
@@ -37,11 +33,12 @@ mod tests {
 
     #[test]
     fn the_fit_follows_the_integral() {
-        /// Karis gives no figure for his fit's error, only plots. It is largest where a smooth dielectric is
-        /// seen at a grazing angle: exp2(-9.28 n·v) stands for Schlick's (1 - n·v)^5, which is 0.066 more at
-        /// n·v = 0.1. Elsewhere it is a few hundredths, the difference of the Smith terms included.
-        const WORST: f64 = 0.09;
-        const MEAN: f64 = 0.03;
+        /// Karis gives no figure for his fit's error, only plots, and against glTF's integrals it is coarse:
+        /// for white metal it is 1 - 0.55 roughness at every angle, where the truth at roughness 1 goes from
+        /// 0.31 (facing) to 0.76 (n·v = 0.1). Dielectrics are within a tenth.
+        const METAL: f64 = 0.32;
+        const DIELECTRIC: f64 = 0.09;
+        const MEAN: f64 = 0.07;
         let mut errors = Vec::new();
         for roughness in [0.1, 0.25, 0.5, 0.75, 1.0] {
             for n_dot_v in [0.1, 0.3, 0.6, 1.0] {
@@ -54,7 +51,8 @@ mod tests {
                     };
                     let truth = directional_albedo(&surface, n_dot_v).x;
                     let fit = env_brdf(DVec3::splat(f0), roughness, n_dot_v).x;
-                    assert!((truth - fit).abs() < WORST, "{roughness} {n_dot_v} {f0}: {truth} {fit}");
+                    let bound = if f0 == DIELECTRIC_F0 { DIELECTRIC } else { METAL };
+                    assert!((truth - fit).abs() < bound, "{roughness} {n_dot_v} {f0}: {truth} {fit}");
                     errors.push((truth - fit).abs());
                 }
             }

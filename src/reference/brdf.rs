@@ -25,10 +25,11 @@ pub fn alpha_from_roughness(roughness: f64) -> f64 {
 
 /// Trowbridge-Reitz (GGX) normal distribution, glTF 2.0 appendix B.3.2: Walter et al. 2007, eq. 33.
 ///
-/// |n × h|² stands for 1 - (n·h)², which cancels near the peak. 1/sr.
+/// |n × h|² stands for 1 - (n·h)², which cancels near the peak. The denominator's base is at least alpha² for
+/// any unit h; for h = 0, when the light shines straight at the viewer, that bound stands in. 1/sr.
 pub fn d_ggx(n_dot_h: f64, n_cross_h: DVec3, alpha: f64) -> f64 {
     let alpha_squared = alpha * alpha;
-    let f = n_dot_h * n_dot_h * alpha_squared + n_cross_h.length_squared();
+    let f = (n_dot_h * n_dot_h * alpha_squared + n_cross_h.length_squared()).max(alpha_squared);
     alpha_squared / (PI * f * f)
 }
 
@@ -87,7 +88,8 @@ mod tests {
                     let (cos2, sin2) = (1.0 / (1.0 + tan2), tan2 / (1.0 + tan2));
                     // d(sin²) = cos⁴ d(tan²); dω cos = pi d(sin²).
                     let d_tan2 = alpha * alpha / ((1.0 - x) * (1.0 - x));
-                    d_ggx(cos2.sqrt(), DVec3::X * sin2.sqrt(), alpha) * PI * cos2 * cos2 * d_tan2 / f64::from(steps)
+                    d_ggx(cos2.sqrt(), DVec3::X * sin2.sqrt(), alpha) * PI * cos2 * cos2 * d_tan2
+                        / f64::from(steps)
                 })
                 .sum();
             assert!((total - 1.0).abs() < 1e-9, "alpha {alpha}: {total}");
@@ -157,6 +159,16 @@ mod tests {
         }
         // A rough one loses a good part: single scattering.
         assert!(directional_albedo(&metal(1.0), 0.5).max_element() < 0.8);
+    }
+
+    #[test]
+    fn fully_rough_white_metal_has_a_closed_form() {
+        // At alpha = 1, D = 1 / pi and V = 1 / (2 (n·l + n·v)): the integral of n·l / (n·l + n·v) over n·l.
+        for cos in [0.1, 0.5, 1.0_f64] {
+            let expected = 1.0 - cos * ((1.0 + cos) / cos).ln();
+            let albedo = directional_albedo(&metal(1.0), cos).x;
+            assert!((albedo - expected).abs() < 2e-3, "cos {cos}: {albedo} {expected}");
+        }
     }
 
     #[test]

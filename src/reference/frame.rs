@@ -126,7 +126,11 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
         };
         // Without a light target, light that is not reflected does not pass through any format.
         let prelit = if settings.light_layout().is_some() { surface.prelit } else { exact.prelit };
-        Pixel { covered: true, edge, ..finish(scene, &view, settings, Attributes { prelit, ..surface }, prelit) }
+        Pixel {
+            covered: true,
+            edge,
+            ..finish(scene, &view, settings, Attributes { prelit, ..surface }, prelit)
+        }
     });
     Frame { size: settings.size, pixels: pixels.collect() }
 }
@@ -148,22 +152,13 @@ pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffe
         let pixel = [index as u32 % width, index as u32 / width];
         let light = if settings.light_target { stored.light } else { DVec3::ZERO };
         let surface = decode(layout, &Stored { light, ..*stored }, &view, pixel, light_factor);
-        Pixel {
-            covered: stored.depth > 0.0,
-            ..finish(scene, &view, settings, surface, surface.prelit)
-        }
+        Pixel { covered: stored.depth > 0.0, ..finish(scene, &view, settings, surface, surface.prelit) }
     });
     Frame { size: settings.size, pixels: pixels.collect() }
 }
 
 /// Adds the lights' reflection to `prelit` and applies the curve.
-fn finish(
-    scene: &Scene,
-    view: &View,
-    settings: &Settings,
-    attributes: Attributes,
-    prelit: DVec3,
-) -> Pixel {
+fn finish(scene: &Scene, view: &View, settings: &Settings, attributes: Attributes, prelit: DVec3) -> Pixel {
     let reflected = reflected(&attributes, view.to_viewer(attributes.position_world), &scene.lights);
     let linear = match settings.light_layout() {
         Some(layout) => {

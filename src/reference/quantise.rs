@@ -71,10 +71,9 @@ pub fn encode(layout: Layout, attributes: &Attributes, light_factor: f64) -> Sto
             each(normal * 0.5 + 0.5, |x| unorm(x, 8)).extend(unorm(roughness, 8)),
             each(base, srgb8).extend(unorm(metallic, 8)),
         ),
-        Layout::Exact => (
-            each(normal, float32).extend(float32(roughness)),
-            each(base, float32).extend(float32(metallic)),
-        ),
+        Layout::Exact => {
+            (each(normal, float32).extend(float32(roughness)), each(base, float32).extend(float32(metallic)))
+        }
     };
     Stored {
         depth: float32(attributes.depth),
@@ -97,7 +96,8 @@ pub fn decode(
     let prelit = stored.light / light_factor;
     let base_color = stored.base_color_metallic.truncate();
     let position_world = view.ray_through_pixel(pixel).at(distance);
-    let unlit = Attributes { depth: stored.depth, position_world, base_color, prelit, ..Attributes::default() };
+    let unlit =
+        Attributes { depth: stored.depth, position_world, base_color, prelit, ..Attributes::default() };
     let channels = stored.normal_roughness.truncate();
     if channels == DVec3::ZERO {
         return unlit;
@@ -134,7 +134,10 @@ mod tests {
     use glam::Vec3;
 
     fn view() -> View {
-        View::new(&camera_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, perspective(0.8, 0.1, Some(100.0))), [64, 64])
+        View::new(
+            &camera_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, perspective(0.8, 0.1, Some(100.0))),
+            [64, 64],
+        )
     }
 
     fn surface(view: &View, pixel: [u32; 2]) -> Attributes {

@@ -36,9 +36,8 @@ pub fn light(kind: LightKind) -> Light {
 
 /// One instance of each mesh, all with one material.
 pub fn scene_of(material: Material, meshes: Vec<(Mesh, Mat4)>) -> Scene {
-    let instances = (0..meshes.len())
-        .map(|mesh| Instance { mesh, world_from_object: meshes[mesh].1 })
-        .collect();
+    let instances =
+        (0..meshes.len()).map(|mesh| Instance { mesh, world_from_object: meshes[mesh].1 }).collect();
     let meshes = meshes.into_iter().map(|(mesh, _)| mesh).collect();
     Scene { meshes, instances, materials: vec![material], ..Scene::default() }
 }
@@ -75,7 +74,8 @@ pub fn directional_albedo(surface: &Attributes, n_dot_v: f64) -> DVec3 {
         let tan2 = alpha * alpha * u / (1.0 - u);
         let cos = (1.0 / (1.0 + tan2)).sqrt();
         // The density of h per solid angle, and of l = reflect(v, h): dω_h = dω_l / (4 v·h).
-        let d = 1.0 / (std::f64::consts::PI * alpha * alpha * cos.powi(4) * (1.0 + tan2 / (alpha * alpha)).powi(2));
+        let d = 1.0
+            / (std::f64::consts::PI * alpha * alpha * cos.powi(4) * (1.0 + tan2 / (alpha * alpha)).powi(2));
         for sector in 0..SECTORS {
             let h = direction(cos, TAU * (f64::from(sector) + 0.5) / f64::from(SECTORS));
             let v_dot_h = v.dot(h);

@@ -50,7 +50,8 @@ pub fn sample(scene: &Scene, slot: &TextureRef, texcoord: DVec2, encoding: Encod
     let size = DVec2::new(f64::from(image.width), f64::from(image.height));
     let place = DVec2::new(row(0), row(1)) * size;
     let (wrap_u, wrap_v) = (texture.sampler.wrap_u, texture.sampler.wrap_v);
-    let at = |i: f64, j: f64| texel(image, wrap(i, image.width, wrap_u), wrap(j, image.height, wrap_v), encoding);
+    let at =
+        |i: f64, j: f64| texel(image, wrap(i, image.width, wrap_u), wrap(j, image.height, wrap_v), encoding);
     if !texture.sampler.mag_linear {
         let nearest = place.floor();
         return at(nearest.x, nearest.y);
@@ -92,18 +93,11 @@ mod tests {
     use glam::Vec3;
 
     fn checker(wrap_u: Wrap, mag_linear: bool) -> (Scene, TextureRef) {
-        let image = Image {
-            name: String::new(),
-            width: 2,
-            height: 1,
-            rgba8: vec![0, 0, 0, 255, 255, 255, 255, 255],
-        };
+        let image =
+            Image { name: String::new(), width: 2, height: 1, rgba8: vec![0, 0, 0, 255, 255, 255, 255, 255] };
         let sampler = Sampler { wrap_u, mag_linear, ..Sampler::default() };
-        let scene = Scene {
-            images: vec![image],
-            textures: vec![Texture { image: 0, sampler }],
-            ..Scene::default()
-        };
+        let scene =
+            Scene { images: vec![image], textures: vec![Texture { image: 0, sampler }], ..Scene::default() };
         (scene, TextureRef { texture: 0, texcoord: 0, uv_from_texcoord: TextureRef::IDENTITY })
     }
 

@@ -102,7 +102,8 @@ mod tests {
     /// The fit for grey in scalars: both matrices reduce to their row sums.
     fn aces_grey(x: f64) -> DVec3 {
         let input = [0.59719 + 0.35458 + 0.04823, 0.076 + 0.90834 + 0.01566, 0.0284 + 0.13383 + 0.83777];
-        let curve = |v: f64| (v * v + 0.0245786 * v - 0.000090537) / (0.983729 * v * v + 0.432951 * v + 0.238081);
+        let curve =
+            |v: f64| (v * v + 0.0245786 * v - 0.000090537) / (0.983729 * v * v + 0.432951 * v + 0.238081);
         let [r, g, b] = input.map(|row| curve(row * x));
         DVec3::new(
             1.60475 * r - 0.53108 * g - 0.07367 * b,
@@ -127,9 +128,8 @@ mod tests {
     fn aces_keeps_each_primary_dominant() {
         // The rows and columns are in order: a transposed matrix turns blue light redder than greener.
         let blue = tonemap_aces(DVec3::new(0.0, 0.0, 1.0));
-        let v = [0.04823, 0.01566, 0.83777].map(|v: f64| {
-            (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081)
-        });
+        let v = [0.04823, 0.01566, 0.83777]
+            .map(|v: f64| (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081));
         assert!((blue.x - (1.60475 * v[0] - 0.53108 * v[1] - 0.07367 * v[2])).abs() < 1e-12);
         assert!(blue.z > blue.x && blue.z > blue.y);
     }

@@ -149,7 +149,10 @@ mod tests {
                 let point = view.ray(DVec2::from(place)).at(distance);
                 let ndc = clip_from_world.project_point3(point.as_vec3()).as_dvec3();
                 let back = (DVec2::new(ndc.x, ndc.y) + 1.0) * 0.5 * DVec2::new(320.0, 180.0);
-                assert!((back - DVec2::from(place)).length() < 320.0 * F32_TOLERANCE, "{projection:?} {back}");
+                assert!(
+                    (back - DVec2::from(place)).length() < 320.0 * F32_TOLERANCE,
+                    "{projection:?} {back}"
+                );
                 let depth = view.depth_from_distance(distance);
                 assert!((ndc.z - depth).abs() < F32_TOLERANCE, "{projection:?}: {} {depth}", ndc.z);
                 let [p, q, r, s] = projection.distance_from_depth().map(f64::from);

@@ -261,8 +261,7 @@ mod tests {
         for _ in 0..2000 {
             let (origin, target) = (point(30.0), point(8.0));
             let ray = Ray { origin, direction: target - origin, range: [0.05, 1.5] };
-            let expected =
-                visibility.triangles.iter().filter_map(|t| moller_trumbore(&ray, t.corners_world));
+            let expected = visibility.triangles.iter().filter_map(|t| moller_trumbore(&ray, t.corners_world));
             let expected = expected.fold(f64::INFINITY, f64::min);
             let found = visibility.trace(&ray).map_or(f64::INFINITY, |h| h.distance);
             assert!(found == expected || (found - expected).abs() < 1e-9, "{found} {expected}");
@@ -301,7 +300,8 @@ mod tests {
 
     /// Whether a square, placed so and seen from +Z, is visible; and from -Z.
     fn seen(placement: Mat4, double_sided: bool) -> [Option<bool>; 2] {
-        let scene = scene_of(Material { double_sided, ..Material::default() }, vec![(square(1.0), placement)]);
+        let scene =
+            scene_of(Material { double_sided, ..Material::default() }, vec![(square(1.0), placement)]);
         let visibility = Visibility::new(&scene);
         [3.0, -3.0].map(|z| {
             let ray = Ray { origin: DVec3::Z * z, direction: DVec3::Z * -z, range: [0.0, 9.0] };
@@ -324,9 +324,7 @@ mod tests {
     fn near_and_far_planes_clip() {
         let scene = scene_of(
             Material::default(),
-            [-0.5_f32, -3.0, -30.0]
-                .map(|z| (square(1.0), Mat4::from_translation(Vec3::Z * z)))
-                .to_vec(),
+            [-0.5_f32, -3.0, -30.0].map(|z| (square(1.0), Mat4::from_translation(Vec3::Z * z))).to_vec(),
         );
         let visibility = Visibility::new(&scene);
         let first = |near, far| {
@@ -344,8 +342,7 @@ mod tests {
         let mut front = square(1.0);
         // Alpha grows from 0 at the left to 1 at the right.
         front.colors = front.positions.iter().map(|p| Vec4::new(1.0, 1.0, 1.0, p.x * 0.5 + 0.5)).collect();
-        let material =
-            Material { alpha_mode: AlphaMode::Mask { cutoff: 0.25 }, ..Material::default() };
+        let material = Material { alpha_mode: AlphaMode::Mask { cutoff: 0.25 }, ..Material::default() };
         let scene = scene_of(
             material,
             vec![(front, Mat4::IDENTITY), (square(1.0), Mat4::from_translation(Vec3::NEG_Z))],
