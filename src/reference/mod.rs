@@ -3,8 +3,9 @@
 //! Everything here is computed from [`scene`](crate::scene) and the choices in [`plan`](crate::plan), and from
 //! nothing that a GPU does: visibility by rays through pixel centres ([`visibility`]), surfaces by
 //! interpolation at the hit ([`gbuffer`]), light by the formulas of glTF 2.0 ([`brdf`], [`punctual`],
-//! [`ambient`], [`mod@shade`]), the display by the curve's own definition ([`mod@tonemap`]). Functions carry the names
-//! of their counterparts in `glsl/`, and each term names its source, so that the two can be read side by side.
+//! [`ambient`], [`mod@shade`]), the display by the curve's own definition ([`mod@tonemap`]). Functions carry the
+//! names of their counterparts in `glsl/`, and each term names its source, so that the two can be read side by
+//! side.
 //!
 //! The frame can be had in two ways. Without a layout it is the true one: f64 from the scene's f32 data to the
 //! picture. With a [`Layout`](crate::plan::Layout) each pixel passes through that layout's stored formats
