@@ -1,0 +1,281 @@
+//! A whole picture: visibility, surfaces, light and curve for every pixel.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::gbuffer::{Attributes, attributes, interpolate};
+use super::quantise::{Stored, blend_light, decode, quantise, store_light};
+use super::shade::reflected;
+use super::tonemap::tonemap;
+use super::view::{Ray, View};
+use super::visibility::{Hit, Visibility};
+use crate::plan::{Layout, Tonemap};
+use crate::scene::{Camera, Scene};
+
+/// What is computed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Light is multiplied by 2 to this power.
+    pub exposure_ev: f64,
+    /// From exposed light to the display.
+    pub tonemap: Tonemap,
+    /// Formats that the surface passes through; `None` keeps f64.
+    pub layout: Option<Layout>,
+    /// Whether light passes through the layout's light target too. Without one, lighting and tonemap are folded.
+    pub light_target: bool,
+    /// What exposed light is multiplied by in the light target.
+    pub light_scale: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            size: [320, 180],
+            exposure_ev: 0.0,
+            tonemap: Tonemap::Neutral,
+            layout: None,
+            light_target: false,
+            light_scale: 1.0,
+        }
+    }
+}
+
+impl Settings {
+    /// The multiplier 2^EV.
+    pub fn exposure(&self) -> f64 {
+        self.exposure_ev.exp2()
+    }
+
+    /// The layout whose light target is used, if one is.
+    fn light_layout(&self) -> Option<Layout> {
+        self.layout.filter(|_| self.light_target)
+    }
+}
+
+/// One pixel of a [`Frame`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pixel {
+    /// Whether the ray through the centre hits something.
+    pub covered: bool,
+    /// Whether a rasteriser may rightly see something else here, or near here: another instance, nothing, or
+    /// another part of a surface that does not continue this one smoothly.
+    pub edge: bool,
+    /// Exposed scene light, linear Rec.709.
+    pub linear: DVec3,
+    /// `linear` after the curve: linear display light, not clamped.
+    pub display: DVec3,
+    /// What was shaded, after the layout's formats if there is one.
+    pub attributes: Attributes,
+}
+
+/// A picture, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// `size[0] * size[1]` pixels.
+    pub pixels: Vec<Pixel>,
+}
+
+impl Frame {
+    /// The pixel in column `x` of row `y`.
+    pub fn pixel(&self, x: u32, y: u32) -> &Pixel {
+        &self.pixels[(y * self.size[0] + x) as usize]
+    }
+
+    /// The display light as four floats a pixel, alpha 1: what an RGBA32F output image holds.
+    pub fn to_rgba32f(&self) -> Vec<f32> {
+        self.pixels.iter().flat_map(|p| p.display.as_vec3().extend(1.0).to_array()).collect()
+    }
+
+    /// The display light clamped to \[0, 1\] as four bytes a pixel, sRGB-encoded, alpha 255.
+    pub fn to_rgba8_srgb(&self) -> Vec<u8> {
+        let code = |x: f64| (super::texture::srgb_from_linear(x.clamp(0.0, 1.0)) * 255.0).round() as u8;
+        self.pixels
+            .iter()
+            .flat_map(|p| [code(p.display.x), code(p.display.y), code(p.display.z), u8::MAX])
+            .collect()
+    }
+}
+
+/// Renders the scene as the settings say. The same input gives the same frame, whatever the number of threads.
+///
+/// # Panics
+/// If an index within the scene is out of range.
+pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
+    let view = View::new(camera, settings.size);
+    let visibility = Visibility::new(scene);
+    let [width, height] = settings.size;
+
+    let centers = Lattice::trace(&visibility, &view, [width, height], 0.5);
+    let corners = Lattice::trace(&visibility, &view, [width + 1, height + 1], 0.0);
+    let pixels = (0..width * height).into_par_iter().map(|index| {
+        let (x, y) = (index % width, index / width);
+        let edge = is_edge(&visibility, &view, &centers, &corners, x, y);
+        let Some(hit) = centers.at(x, y) else {
+            return Pixel { edge, ..finish(scene, &view, settings, Attributes::default(), DVec3::ZERO) };
+        };
+        let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
+        let exact = attributes(&visibility, &view, position_world, hit);
+        let light_factor = settings.exposure() * settings.light_scale;
+        let surface = match settings.layout {
+            Some(layout) => quantise(layout, &exact, &view, [x, y], light_factor),
+            None => exact,
+        };
+        // Without a light target, light that is not reflected does not pass through any format.
+        let prelit = if settings.light_layout().is_some() { surface.prelit } else { exact.prelit };
+        Pixel {
+            covered: true,
+            edge,
+            ..finish(scene, &view, settings, Attributes { prelit, ..surface }, prelit)
+        }
+    });
+    Frame { size: settings.size, pixels: pixels.collect() }
+}
+
+/// Shades a G-buffer that a renderer wrote, rows from the top: what its lighting and tonemap should have made of
+/// it, whatever its rasteriser and its texture filter did. `settings.layout` says which layout it is in (`None`
+/// counts as `exact`); positions follow from depth; [`Stored::light`] counts only with a light target, and is
+/// what geometry wrote, before any light was added. [`Pixel::edge`] is always false.
+///
+/// # Panics
+/// If `gbuffer` does not hold one element a pixel.
+pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffer: &[Stored]) -> Frame {
+    let view = View::new(camera, settings.size);
+    let [width, height] = settings.size;
+    assert_eq!(gbuffer.len(), (width * height) as usize, "one element a pixel");
+    let layout = settings.layout.unwrap_or(Layout::Exact);
+    let light_factor = settings.exposure() * settings.light_scale;
+    let pixels = gbuffer.par_iter().enumerate().map(|(index, stored)| {
+        let pixel = [index as u32 % width, index as u32 / width];
+        let light = if settings.light_target { stored.light } else { DVec3::ZERO };
+        let surface = decode(layout, &Stored { light, ..*stored }, &view, pixel, light_factor);
+        Pixel { covered: stored.depth > 0.0, ..finish(scene, &view, settings, surface, surface.prelit) }
+    });
+    Frame { size: settings.size, pixels: pixels.collect() }
+}
+
+/// Adds the lights' reflection to `prelit` and applies the curve.
+fn finish(scene: &Scene, view: &View, settings: &Settings, attributes: Attributes, prelit: DVec3) -> Pixel {
+    let reflected = reflected(&attributes, view.to_viewer(attributes.position_world), &scene.lights);
+    let linear = match settings.light_layout() {
+        Some(layout) => {
+            let factor = settings.exposure() * settings.light_scale;
+            let stored = store_light(layout, prelit * factor);
+            blend_light(layout, stored, reflected * factor) / settings.light_scale
+        }
+        None => (prelit + reflected) * settings.exposure(),
+    };
+    Pixel { linear, display: tonemap(settings.tonemap, linear), attributes, ..Pixel::default() }
+}
+
+/// Hits on a regular grid, one pixel apart.
+struct Lattice {
+    width: u32,
+    height: u32,
+    /// Where the first ray goes, in pixels from the image's corner, along both axes.
+    start_px: f64,
+    hits: Vec<Option<Hit>>,
+}
+
+impl Lattice {
+    fn trace(visibility: &Visibility, view: &View, [width, height]: [u32; 2], start_px: f64) -> Self {
+        let place = |i: u32| DVec2::new(f64::from(i % width), f64::from(i / width)) + start_px;
+        let hits =
+            (0..width * height).into_par_iter().map(|i| visibility.trace(&view.ray(place(i)))).collect();
+        Self { width, height, start_px, hits }
+    }
+
+    fn at(&self, x: u32, y: u32) -> Option<&Hit> {
+        self.hits[(y * self.width + x) as usize].as_ref()
+    }
+
+    /// The hits in columns `x` and rows `y` as far as the grid goes, with their rays.
+    fn around(
+        &self,
+        view: &View,
+        x: std::ops::RangeInclusive<u32>,
+        y: std::ops::RangeInclusive<u32>,
+    ) -> impl Iterator<Item = (Ray, Option<&Hit>)> {
+        let (last_x, last_y) = ((*x.end()).min(self.width - 1), (*y.end()).min(self.height - 1));
+        (*y.start()..=last_y).flat_map(move |row| (*x.start()..=last_x).map(move |column| (column, row))).map(
+            move |(column, row)| {
+                let place = DVec2::new(f64::from(column), f64::from(row)) + self.start_px;
+                (view.ray(place), self.at(column, row))
+            },
+        )
+    }
+}
+
+/// How far from a centre a rasteriser's edge may be: half a step of Vulkan's least `subPixelPrecisionBits`, 4,
+/// along each axis, for both ends of an edge.
+const SNAP_PX: f64 = 1.0 / 16.0;
+
+/// Whether anything in the 3x3 neighbourhood of centres and the pixel's corners differs in kind, or anything
+/// within [`SNAP_PX`] differs measurably.
+fn is_edge(
+    visibility: &Visibility,
+    view: &View,
+    centers: &Lattice,
+    corners: &Lattice,
+    x: u32,
+    y: u32,
+) -> bool {
+    let hit = centers.at(x, y);
+    let ray = view.ray_through_pixel([x, y]);
+    let torn = |(other_ray, other): (Ray, Option<&Hit>)| match (hit, other) {
+        (None, None) => false,
+        (Some(a), Some(b)) => is_torn(visibility, (&ray, a), (&other_ray, b)),
+        _ => true,
+    };
+    let neighbours = centers.around(view, x.saturating_sub(1)..=x + 1, y.saturating_sub(1)..=y + 1);
+    if neighbours.chain(corners.around(view, x..=x + 1, y..=y + 1)).any(torn) {
+        return true;
+    }
+    let center_px = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+    [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].into_iter().any(|(dx, dy)| {
+        let near_ray = view.ray(center_px + DVec2::new(dx, dy) * SNAP_PX);
+        match (hit, visibility.trace(&near_ray)) {
+            (None, None) => false,
+            (Some(a), Some(b)) => is_creased(visibility, a, &near_ray, &b),
+            _ => true,
+        }
+    })
+}
+
+/// Whether two hits about a pixel apart belong to different instances, or to parts of one surface that are not
+/// side by side: one lies more than 30 degrees off the other's plane.
+fn is_torn(visibility: &Visibility, (ray_a, a): (&Ray, &Hit), (ray_b, b): (&Ray, &Hit)) -> bool {
+    const MAX_SINE: f64 = 0.5;
+    if a.triangle == b.triangle {
+        return false;
+    }
+    if visibility.instance(a) != visibility.instance(b) || a.front_facing != b.front_facing {
+        return true;
+    }
+    let apart = ray_b.at(b.distance) - ray_a.at(a.distance);
+    let off_plane = |hit: &Hit| visibility.plane_normal(hit).dot(apart).abs();
+    off_plane(a).max(off_plane(b)) > MAX_SINE * apart.length()
+}
+
+/// Whether the surface at `b` differs from what `a`'s triangle, extrapolated to the same ray, would show there.
+fn is_creased(visibility: &Visibility, a: &Hit, ray_b: &Ray, b: &Hit) -> bool {
+    /// Differences that change the shading by less than about one part in a thousand, next to the shading's own
+    /// slope over `SNAP_PX`.
+    const MAX_STEP: f64 = 2e-3;
+    if a.triangle == b.triangle {
+        return false;
+    }
+    if visibility.instance(a) != visibility.instance(b) || a.front_facing != b.front_facing {
+        return true;
+    }
+    let Some(continued) = visibility.extrapolate(ray_b, a.triangle, a.front_facing) else { return true };
+    if (continued.distance - b.distance).abs() > MAX_STEP * b.distance.abs() {
+        return true;
+    }
+    let (here, there) = (interpolate(visibility, &continued), interpolate(visibility, b));
+    let turned = here.normal_world.normalize_or_zero() - there.normal_world.normalize_or_zero();
+    turned.length() > MAX_STEP || (here.color - there.color).abs().max_element() > MAX_STEP
+}

@@ -1,0 +1,153 @@
+//! What a surface is like where a ray meets it: the counterpart of the geometry stage.
+
+use glam::{DVec3, DVec4, Vec4};
+
+use super::ambient::light_ambient;
+use super::texture::{self, Encoding};
+use super::view::View;
+use super::visibility::{Hit, Visibility};
+use crate::scene::{Material, Mesh, TextureRef};
+
+/// The content of one G-buffer pixel. The default is the background: not lit, dark.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Attributes {
+    /// Whether lights apply: false for the background and for unlit materials.
+    pub lit: bool,
+    /// Reversed depth, 0 in the background.
+    pub depth: f64,
+    /// World space, metres.
+    pub position_world: DVec3,
+    /// World space, unit length, normal map included; zero where not lit.
+    pub normal_world: DVec3,
+    /// Perceptual, as in the material: not yet clamped.
+    pub roughness: f64,
+    /// Linear Rec.709.
+    pub base_color: DVec3,
+    /// 0 dielectric to 1 metal.
+    pub metallic: f64,
+    /// Light that needs no light source, in cd/m² before exposure: emission and ambient light, or an unlit
+    /// material's base colour.
+    pub prelit: DVec3,
+}
+
+/// A triangle's vertex attributes weighted by the barycentric coordinates of a hit.
+///
+/// Linear on the triangle in world space, which is what a rasteriser's perspective-correct interpolation gives.
+pub(super) struct Interpolated<'a> {
+    pub mesh: &'a Mesh,
+    pub material: &'a Material,
+    /// From vertex normals of unit length in world space; not normalised again.
+    pub normal_world: DVec3,
+    /// Vertex colour, 1 without.
+    pub color: DVec4,
+}
+
+pub(super) fn interpolate<'a>(visibility: &Visibility<'a>, hit: &Hit) -> Interpolated<'a> {
+    let triangle = &visibility.triangles[hit.triangle as usize];
+    let placement = &visibility.placements[triangle.instance as usize];
+    let scene = visibility.scene;
+    let mesh = &scene.meshes[scene.instances[triangle.instance as usize].mesh];
+    let normal_world = if mesh.normals.is_empty() {
+        // As the front side sees it, whichever way the instance winds it.
+        visibility.plane_normal(hit) * if placement.mirrored { -1.0 } else { 1.0 }
+    } else {
+        weighted(hit, |k| {
+            let normal = mesh.normals[triangle.vertices[k] as usize].as_dvec3();
+            (placement.normal_world_from_object * normal).normalize_or_zero()
+        })
+    };
+    let color = if mesh.colors.is_empty() {
+        DVec4::ONE
+    } else {
+        let corner = |k: usize| mesh.colors[triangle.vertices[k] as usize].as_dvec4() * hit.barycentric[k];
+        corner(0) + corner(1) + corner(2)
+    };
+    Interpolated { mesh, material: &scene.materials[mesh.material], normal_world, color }
+}
+
+fn weighted(hit: &Hit, corner: impl Fn(usize) -> DVec3) -> DVec3 {
+    (0..3).map(|k| corner(k) * hit.barycentric[k]).sum()
+}
+
+/// The alpha that masks: factor, texture and vertex alpha multiplied.
+pub(super) fn alpha(visibility: &Visibility, hit: &Hit) -> f64 {
+    let surface = interpolate(visibility, hit);
+    base_color(visibility, hit, &surface).w
+}
+
+fn base_color(visibility: &Visibility, hit: &Hit, surface: &Interpolated) -> DVec4 {
+    let texture = slot(visibility, hit, surface.mesh, &surface.material.base_color_texture, Encoding::Srgb);
+    surface.material.base_color_factor.as_dvec4() * texture * surface.color
+}
+
+/// A texture slot's value at the hit; 1 in every channel for an empty slot.
+fn slot(
+    visibility: &Visibility,
+    hit: &Hit,
+    mesh: &Mesh,
+    slot: &Option<TextureRef>,
+    encoding: Encoding,
+) -> DVec4 {
+    let vertices = visibility.triangles[hit.triangle as usize].vertices;
+    slot.as_ref().map_or(DVec4::ONE, |slot| {
+        texture::sample_at(visibility.scene, mesh, vertices, hit.barycentric, slot, encoding)
+    })
+}
+
+/// The shading normal, glTF 2.0 section 3.9.3: the normal map in the interpolated tangent frame (as
+/// MikkTSpace asks, neither normalised nor orthogonalised again), reversed on back faces.
+fn normal_world(visibility: &Visibility, hit: &Hit, surface: &Interpolated) -> DVec3 {
+    let facing = if hit.front_facing { 1.0 } else { -1.0 };
+    let normal = surface.normal_world;
+    if surface.material.normal_texture.is_none() {
+        return normal.normalize_or_zero() * facing;
+    }
+    let texel =
+        slot(visibility, hit, surface.mesh, &surface.material.normal_texture, Encoding::Linear).truncate();
+    let scale = f64::from(surface.material.normal_scale);
+    let mapped = (texel * 2.0 - 1.0) * DVec3::new(scale, scale, 1.0);
+
+    let triangle = &visibility.triangles[hit.triangle as usize];
+    let placement = &visibility.placements[triangle.instance as usize];
+    let tangent_object = |k: usize| -> Vec4 { surface.mesh.tangents[triangle.vertices[k] as usize] };
+    let tangent = weighted(hit, |k| {
+        let tangent = tangent_object(k).truncate().as_dvec3();
+        placement.world_from_object.transform_vector3(tangent).normalize_or_zero()
+    });
+    // A mirroring transform turns cross(n, t) round, but not the surface's own bitangent.
+    let mirror = if placement.mirrored { -1.0 } else { 1.0 };
+    let bitangent = normal.cross(tangent) * (f64::from(tangent_object(0).w) * mirror);
+    (tangent * mapped.x + bitangent * mapped.y + normal * mapped.z).normalize_or_zero() * facing
+}
+
+/// The surface at a hit as the geometry stage would write it, without quantisation.
+pub fn attributes(visibility: &Visibility, view: &View, position_world: DVec3, hit: &Hit) -> Attributes {
+    let surface = interpolate(visibility, hit);
+    let material = surface.material;
+    let base_color = base_color(visibility, hit, &surface).truncate();
+    let depth = view.depth_from_distance(hit.distance);
+    if material.unlit {
+        return Attributes { depth, position_world, base_color, prelit: base_color, ..Attributes::default() };
+    }
+    let texel = |texture, encoding| slot(visibility, hit, surface.mesh, texture, encoding);
+    let metallic_roughness = texel(&material.metallic_roughness_texture, Encoding::Linear);
+    let mut attributes = Attributes {
+        lit: true,
+        depth,
+        position_world,
+        normal_world: normal_world(visibility, hit, &surface),
+        roughness: f64::from(material.roughness_factor) * metallic_roughness.y,
+        base_color,
+        metallic: f64::from(material.metallic_factor) * metallic_roughness.z,
+        prelit: DVec3::ZERO,
+    };
+    let emission =
+        material.emissive_factor.as_dvec3() * texel(&material.emissive_texture, Encoding::Srgb).truncate();
+    // glTF 2.0 section 3.9.3: 1 + strength * (sample - 1).
+    let occlusion = texel(&material.occlusion_texture, Encoding::Linear).x;
+    let occlusion = 1.0 + f64::from(material.occlusion_strength) * (occlusion - 1.0);
+    let n_dot_v = attributes.normal_world.dot(view.to_viewer(position_world));
+    let ambient_nt = visibility.scene.ambient_nt.as_dvec3();
+    attributes.prelit = emission + light_ambient(&attributes, n_dot_v, ambient_nt, occlusion);
+    attributes
+}
