@@ -1,1 +1,3 @@
 //! Error metrics between pictures.
+
+pub mod tiler;
