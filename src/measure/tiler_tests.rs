@@ -94,7 +94,8 @@ fn separate_passes_are_caught_with_what_each_moves() {
 #[test]
 fn each_condition_of_the_verdict_is_needed() {
     let good = parse(MERGED).unwrap();
-    let faults: [(&str, fn(&mut TilerTrace)); 8] = [
+    type Fault = fn(&mut TilerTrace);
+    let faults: [(&str, Fault); 8] = [
         ("0 render passes", |trace| trace.passes.clear()),
         ("2 render passes", |trace| trace.passes.push(trace.passes[0].clone())),
         ("not tiled", |trace| trace.passes[0].tiled = false),

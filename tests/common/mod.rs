@@ -13,6 +13,17 @@ pub fn ignored(reason: &str) {
     let _ = writeln!(std::io::stderr(), "ignored: {test}: {reason}");
 }
 
+/// As [`ignored`], for a device that `tools/test` installs (lavapipe): under `ONTILE_REQUIRE_DEVICES` (CI) it fails.
+///
+/// # Panics
+///
+/// When that variable is set and not empty.
+pub fn ignored_unless_required(reason: &str) {
+    let required = std::env::var_os("ONTILE_REQUIRE_DEVICES").is_some_and(|value| !value.is_empty());
+    assert!(!required, "{reason}, and ONTILE_REQUIRE_DEVICES is set");
+    ignored(reason);
+}
+
 /// Cargo's target folder.
 pub fn target_dir() -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).parent().expect("the target folder holds it").to_owned()
