@@ -19,6 +19,12 @@ unavailable() {
 }
 have() { command -v "$1" >/dev/null; }
 
+# usage: prints the comment at the head of the script.
+usage() {
+    sed -n '2,/^[^#]/{/^# shellcheck/d;s/^# \{0,1\}//p}' "$0"
+    exit 0
+}
+
 is_installed() { [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]; }
 
 # ensure_packages PACKAGE...: installs those Debian packages that are missing, or says the exact command and returns 1.
