@@ -4,13 +4,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use ontile::gpu::{
-    Device, Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View,
-};
+use ontile::gpu::{Device, Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
 use ontile::picture::Picture;
 use ontile::plan::{Needs, Options, Plan, Report};
 use ontile::scene::{Camera, Scene};
 use ontile::{Error, Result, file};
+use serde::Serialize;
 
 use super::args::{Output, PlanArgs, SceneArgs};
 use super::progress::Progress;
@@ -70,15 +69,23 @@ impl RenderArgs {
 }
 
 /// Renders and writes the picture, then the report.
-///
-/// Checks before the long work that both files can have a place.
 pub fn run(args: &RenderArgs) -> Result<()> {
+    run_with(args, || {
+        let scene = scene::load(&args.scene)?;
+        render(args, &scene)
+    })
+}
+
+/// The files around the rendering: checks before the long work that both can have a place.
+pub(super) fn run_with<R: Serialize>(
+    args: &RenderArgs,
+    render: impl FnOnce() -> Result<(Picture, R)>,
+) -> Result<()> {
     let report_path = args.run.report.as_deref();
     for path in [Some(args.output.path.as_path()), report_path].into_iter().flatten() {
         folder_exists(path)?;
     }
-    let scene = scene::load(&args.scene)?;
-    let (picture, report) = render(args, &scene)?;
+    let (picture, report) = render()?;
     picture.write(&args.output.path)?;
     if let Some(path) = report_path {
         let mut json =

@@ -4,8 +4,8 @@ use ontile::Result;
 use ontile::scene::{Camera, Scene};
 
 use super::args::SceneArgs;
-use super::progress::Progress;
 use super::print;
+use super::progress::Progress;
 
 /// Loads the scene, applies what the arguments change, and tells the loader's warnings.
 pub fn load(args: &SceneArgs) -> Result<Scene> {

@@ -153,9 +153,9 @@ fn render_writes_picture_and_report_or_nothing() {
     let at = |name: &str| folder.path().join(name).display().to_string();
     let picture = Picture { width: 1, height: 1, pixels: Pixels::Rgba8(vec![1, 2, 3, 4]) };
     let render = |output: &str, report: &str, fails: bool| {
-        let args = parse(&format!("s.glb -o {} --report {}", at(output), at(report))).unwrap();
+        let args: RenderArgs = parse(&format!("s.glb -o {} --report {}", at(output), at(report))).unwrap();
         let mut called = false;
-        let done = render::run(&args, |_| {
+        let done = render::run_with(&args, || {
             called = true;
             let failure = || ontile::Error::unsupported("nothing works", "give up");
             if fails { Err(failure()) } else { Ok((picture.clone(), serde_json::json!({"passes": 1}))) }

@@ -5,6 +5,7 @@ mod compare;
 mod false_color;
 pub mod metrics;
 mod pairs;
+pub mod tiler;
 
 #[cfg(feature = "cli")]
 pub use compare::{ChannelError, Comparison, Unit, compare};
