@@ -5,7 +5,7 @@ use ash::vk;
 use super::descriptor::{Content, DescriptorSets};
 use super::pipeline::{Family, Pipelines};
 use super::{Device, Image, ImageDesc, Owned, conv};
-use crate::plan::{Pipeline, Plan};
+use crate::plan::{Load, Pipeline, Plan};
 use crate::{Error, Result};
 
 /// A host's image that frames are drawn to: of the plan's size and output format, one sample, one level, with at least
@@ -158,6 +158,7 @@ impl OutputBuilder<'_> {
     }
 }
 
+/// One value per attachment up to the last that is cleared.
 fn clear_values(plan: &Plan) -> Vec<Vec<vk::ClearValue>> {
     let value = |attachment: &crate::plan::Attachment| {
         let color = attachment.clear.unwrap_or_default();
@@ -168,8 +169,9 @@ fn clear_values(plan: &Plan) -> Vec<Vec<vk::ClearValue>> {
             false => vk::ClearValue { color: vk::ClearColorValue { float32: color } },
         }
     };
-    let of_pass = |p: &crate::plan::Pass| {
-        p.attachments.iter().map(|a| value(&plan.attachments[a.attachment])).collect()
+    let of_pass = |pass: &crate::plan::Pass| {
+        let cleared = pass.attachments.iter().rposition(|a| a.load == Load::Clear).map_or(0, |last| last + 1);
+        pass.attachments[..cleared].iter().map(|a| value(&plan.attachments[a.attachment])).collect()
     };
     plan.passes.iter().map(of_pass).collect()
 }
