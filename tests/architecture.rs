@@ -103,7 +103,8 @@ fn names(line: &str, word: &str) -> bool {
 }
 
 fn too_long(path: &str, text: &str) -> Option<String> {
-    let written = [".rs", ".glsl", ".vert", ".frag", ".h"].iter().any(|e| path.ends_with(e)) || path.starts_with("tools/");
+    let written = [".rs", ".glsl", ".vert", ".frag", ".h"].iter().any(|e| path.ends_with(e))
+        || path.starts_with("tools/");
     let lines = text.lines().count();
     (written && lines > MOST_LINES).then(|| format!("{path}: {lines} lines, {MOST_LINES} at most"))
 }
@@ -170,7 +171,11 @@ fn every_rule_sees_what_breaks_it() {
             assert!(rule.broken_by(&path, line).is_empty(), "an exception breaks: {}", rule.what);
         }
     }
-    assert!(!names("let gpu_frame_ms = vkCreate(hash);", "gpu") && !names("hash", "ash") && !names("vkCreate", "vk"));
+    assert!(
+        !names("let gpu_frame_ms = vkCreate(hash);", "gpu")
+            && !names("hash", "ash")
+            && !names("vkCreate", "vk")
+    );
     let long = "x\n".repeat(MOST_LINES + 1);
     assert!(too_long("src/lib.rs", &long).is_some() && too_long("assets/a.txt", &long).is_none());
     assert!(too_long("src/lib.rs", &long[2..]).is_none());

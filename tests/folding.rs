@@ -12,7 +12,9 @@ use ontile::scene::Scene;
 
 const SIZE: [u32; 2] = [160, 90];
 
-/// Steps of one channel of the light target of `metallic128`, 10 bits normalised.
+/// Steps of one channel of the light target of `metallic128`, 10 bits normalised. Light is stored up to a step off, not
+/// half a step: Vulkan lets a driver take either neighbour (Fundamentals, "Conversion From Floating-Point to Normalized
+/// Fixed-Point"), and lavapipe 22.3 takes the lower one where it blends.
 const LIGHT_STEPS: f64 = 1023.0;
 
 /// Room for the arithmetic in 32-bit floats around the light target: some 16 roundings of values up to 2.
@@ -29,9 +31,9 @@ fn steepest_slope(curve: Tonemap) -> f64 {
         Tonemap::Reinhard => 1.0,
         // In the toe a channel c becomes c - m + m^2 / 0.16 with the least channel m: 1 for c, and up to 1 for m.
         Tonemap::Neutral => 2.0,
-        // The fit's steepest slope, 0.90513 at 0.249, times the absolute sum of the first row of the matrix after it,
-        // 2.2095; the matrix before it only averages.
-        Tonemap::Aces => 2.0,
+        // The fit's steepest slope, 0.90513 at 0.249, times the absolute sums of the rows of the matrices around it is
+        // below 2.0; but no colour takes all of it at once, and the test below finds 1.26 at most.
+        Tonemap::Aces => 1.3,
     }
 }
 
@@ -54,7 +56,7 @@ fn no_tone_curve_is_steeper_than_its_bound() {
         }
         let bound = steepest_slope(curve);
         assert!(steepest <= bound * (1.0 + CHANGE), "{curve}: {steepest} is above {bound}");
-        assert!(steepest >= 0.7 * bound, "{curve}: {bound} is far above {steepest}");
+        assert!(steepest >= 0.9 * bound, "{curve}: {bound} is far above {steepest}");
     }
 }
 
@@ -85,7 +87,9 @@ fn unclipped_ev(gpu: &Gpu<'_>, scene: &Scene) -> f32 {
         output: OutputFormat::Rgba32Float,
         ..Options::default()
     };
-    let Pixels::Rgba32F(light) = gpu.picture(scene, gpu.plan(scene, light), 0.0).pixels else { unreachable!() };
+    let Pixels::Rgba32F(light) = gpu.picture(scene, gpu.plan(scene, light), 0.0).pixels else {
+        unreachable!()
+    };
     let brightest = light.chunks(4).flat_map(|p| &p[..3]).copied().fold(0.0, f32::max);
     assert!(brightest > 0.0, "{}: black", scene.name);
     (HEADROOM * Layout::Metallic128.table().light_range / brightest).log2().floor()
@@ -93,10 +97,10 @@ fn unclipped_ev(gpu: &Gpu<'_>, scene: &Scene) -> f32 {
 
 /// What is further apart than rounding the light to the light target's steps can take it.
 fn beyond_rounding(curve: Tonemap, a: &Picture, b: &Picture) -> Option<String> {
-    let half_step = f64::from(Layout::Metallic128.table().light_range) / LIGHT_STEPS / 2.0;
-    let bound = steepest_slope(curve) * half_step + FLOAT_SLACK;
+    let step = f64::from(Layout::Metallic128.table().light_range) / LIGHT_STEPS;
+    let bound = steepest_slope(curve) * step + FLOAT_SLACK;
     let too_far = |a: f64, b: f64| (a - b).abs() > bound;
-    // Each output is rounded by up to half a step, and a curve may leave the range, which the output clips.
+    // Each output is rounded by up to half a step. What a curve takes out of range is clipped: that only helps.
     let too_far_encoded = |a: u8, b: u8| {
         let least = linear_from_srgb((f32::from(a.min(b)) - 0.5).max(0.0) / 255.0);
         let moved = srgb_from_linear(least + bound as f32) - srgb_from_linear(least);
@@ -106,7 +110,9 @@ fn beyond_rounding(curve: Tonemap, a: &Picture, b: &Picture) -> Option<String> {
         (Pixels::Rgba32F(a), Pixels::Rgba32F(b)) => {
             a.iter().zip(b).map(|(&a, &b)| too_far(a.into(), b.into())).collect()
         }
-        (Pixels::Rgba8(a), Pixels::Rgba8(b)) => a.iter().zip(b).map(|(&a, &b)| too_far_encoded(a, b)).collect(),
+        (Pixels::Rgba8(a), Pixels::Rgba8(b)) => {
+            a.iter().zip(b).map(|(&a, &b)| too_far_encoded(a, b)).collect()
+        }
         _ => panic!("pictures of two formats"),
     };
     let count = far.iter().filter(|&&far| far).count();
@@ -126,7 +132,8 @@ fn folding_changes_nothing_where_the_light_target_holds_floats() {
     on_device(None, |gpu| {
         for scene in foldable() {
             each_case(|tonemap, output| {
-                let options = Options { size: SIZE, layout: Layout::Exact, tonemap, output, ..Options::default() };
+                let options =
+                    Options { size: SIZE, layout: Layout::Exact, tonemap, output, ..Options::default() };
                 let [folded, apart] = plans(gpu, &scene, &options).map(|plan| gpu.picture(&scene, plan, 0.0));
                 assert_eq!(difference(&folded, &apart), None, "{}, {tonemap}, {output}", scene.name);
             });
@@ -158,12 +165,17 @@ fn more_than_the_light_targets_rounding_is_seen() {
             let options = Options { size: SIZE, tonemap, output, ..Options::default() };
             let [folded, apart] = plans(gpu, &scene, &options);
             let folded = gpu.picture(&scene, folded, ev);
-            let seen = |broken: Plan| beyond_rounding(tonemap, &folded, &gpu.picture(&scene, broken, ev)).is_some();
+            let seen =
+                |broken: Plan| beyond_rounding(tonemap, &folded, &gpu.picture(&scene, broken, ev)).is_some();
 
-            let mut coarse = apart.clone();
-            let light = coarse.attachments.iter_mut().find(|a| a.name == "light").expect("a light target");
-            light.format = Format::Rgba8Unorm;
-            assert!(seen(coarse), "{tonemap}, {output}: light of 8 bits is not seen");
+            // An 8-bit output's own rounding hides what light of 8 bits loses.
+            if output.is_float() {
+                let mut coarse = apart.clone();
+                let light =
+                    coarse.attachments.iter_mut().find(|a| a.name == "light").expect("a light target");
+                light.format = Format::Rgba8Unorm;
+                assert!(seen(coarse), "{tonemap}, {output}: light of 8 bits is not seen");
+            }
 
             let mut other_curve = apart;
             let linear = tonemap == Tonemap::Linear;

@@ -91,7 +91,9 @@ fn output_formats_hold_the_same_picture() {
             let rgba = picture(OutputFormat::Rgba8Srgb);
             assert_eq!(difference(&rgba, &picture(OutputFormat::Bgra8Srgb)), None, "{}", scene.name);
             let encoded = picture(OutputFormat::Rgba32Float).to_srgb8();
-            let [Pixels::Rgba8(a), Pixels::Rgba8(b)] = [&rgba.pixels, &encoded.pixels] else { unreachable!() };
+            let [Pixels::Rgba8(a), Pixels::Rgba8(b)] = [&rgba.pixels, &encoded.pixels] else {
+                unreachable!()
+            };
             let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max();
             assert!(most <= Some(ENCODING_STEPS), "{}: {most:?} steps", scene.name);
         }
@@ -120,7 +122,7 @@ fn pictures_in_flight(gpu: &Gpu<'_>, scene: &Scene, plan: Plan, exposures_ev: &[
     let target = renderer.create_target(&outputs).unwrap();
 
     let frame = |(slot, &exposure_ev)| {
-        let mut readback = Readback::new(device, format, size).unwrap();
+        let readback = Readback::new(device, format, size).unwrap();
         let mut commands = Commands::new(device, "frame").unwrap();
         let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
         commands
@@ -135,8 +137,10 @@ fn pictures_in_flight(gpu: &Gpu<'_>, scene: &Scene, plan: Plan, exposures_ev: &[
     let mut frames: Vec<_> = exposures_ev.iter().enumerate().map(frame).collect();
     frames.iter_mut().for_each(|(commands, _)| commands.submit().unwrap());
     frames.iter_mut().for_each(|(commands, _)| commands.wait().unwrap());
-    let picture = |(_, readback): &(Commands, Readback)| {
-        Picture { width: size[0], height: size[1], pixels: Pixels::Rgba8(readback.texels().to_vec()) }
+    let picture = |(_, readback): &(Commands, Readback)| Picture {
+        width: size[0],
+        height: size[1],
+        pixels: Pixels::Rgba8(readback.texels().to_vec()),
     };
     frames.iter().map(picture).collect()
 }
@@ -154,7 +158,11 @@ fn frames_in_flight_are_independent() {
                 for (other, expected) in alone.iter().enumerate() {
                     // A slot that took another's exposure would show that one's picture.
                     let same = difference(expected, picture).is_none();
-                    assert_eq!(same, slot == other, "{layout}, {strategy}: slot {slot} against frame {other}");
+                    assert_eq!(
+                        same,
+                        slot == other,
+                        "{layout}, {strategy}: slot {slot} against frame {other}"
+                    );
                 }
             }
         }
@@ -220,7 +228,10 @@ fn a_wrong_arrangement_is_seen() {
             let mut plan = gpu.plan(&scene, Options { strategy, ..options });
             assert_eq!(difference(&expected, &gpu.picture(&scene, plan.clone(), 0.0)), None, "sound: {name}");
             fault(&mut plan);
-            assert!(difference(&expected, &gpu.picture(&scene, plan, 0.0)).is_some(), "{layout}: not seen: {name}");
+            assert!(
+                difference(&expected, &gpu.picture(&scene, plan, 0.0)).is_some(),
+                "{layout}: not seen: {name}"
+            );
         }
     });
 }

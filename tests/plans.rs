@@ -35,8 +35,8 @@ fn printed() -> Vec<(String, String)> {
     let mut plans = vec![
         ("lit".to_owned(), plan(&lights, default())),
         ("lit_no_fold".into(), plan(&lights, Options { fold: false, ..default() })),
-        ("emissive".into(), plan(&scenes::no_lights(), default())),
-        ("emissive_separate".into(), plan(&scenes::no_lights(), separate())),
+        ("emissive".into(), plan(&scenes::emissive(), default())),
+        ("emissive_separate".into(), plan(&scenes::emissive(), separate())),
         ("every_feature_exact".into(), plan(&features, Options { layout: Layout::Exact, ..default() })),
         ("every_feature_no_recycle".into(), plan(&features, Options { recycle: false, ..default() })),
         (
@@ -99,7 +99,7 @@ fn totals(plan: &Plan) -> [u32; 5] {
 
 #[test]
 fn totals_are_those_derived_by_hand() {
-    let emissive = scenes::no_lights();
+    let emissive = scenes::emissive();
     let lit = scenes::lights_only();
     let unlit = scenes::wholly_unlit();
 
@@ -134,11 +134,11 @@ fn totals_are_those_derived_by_hand() {
 #[test]
 fn a_wrong_operation_changes_the_totals() {
     use ontile::plan::{Load, Store};
-    let mut broken = plan(&scenes::no_lights(), Options::default());
+    let mut broken = plan(&scenes::emissive(), Options::default());
     let attachment = broken.passes[0].attachments.iter_mut().find(|a| a.store == Store::DontCare).unwrap();
     attachment.store = Store::Store;
     assert_eq!(totals(&broken), [1, 3, 0, 8, 128]);
-    let mut broken = plan(&scenes::no_lights(), separate());
+    let mut broken = plan(&scenes::emissive(), separate());
     let mut attachments = broken.passes[2].attachments.iter_mut();
     attachments.find(|a| a.load == Load::Load).unwrap().load = Load::Clear;
     assert_eq!(totals(&broken), [3, 3, 16, 24, 128]);
@@ -157,14 +157,15 @@ fn recycling_keeps_the_pass_at_128_declared_bits() {
 
 #[test]
 fn a_plan_has_no_more_than_the_scene_needs() {
-    let names = |plan: &Plan| -> Vec<_> { plan.passes.iter().flat_map(|p| &p.subpasses).map(|s| s.name).collect() };
+    let names =
+        |plan: &Plan| -> Vec<_> { plan.passes.iter().flat_map(|p| &p.subpasses).map(|s| s.name).collect() };
     let unlit = plan(&scenes::one_unlit_triangle(), Options::default());
     assert_eq!(names(&unlit), ["geometry"]);
     assert_eq!(unlit.attachments.len(), 1, "one triangle needs no depth test");
     let lit = plan(&scenes::lights_only(), Options::default());
     assert_eq!(names(&lit), ["geometry", "lighting"]);
     assert!(lit.attachments.iter().all(|a| a.name != "light"));
-    let emissive = plan(&scenes::no_lights(), Options::default());
+    let emissive = plan(&scenes::emissive(), Options::default());
     assert_eq!(names(&emissive), ["geometry", "lighting", "tonemap"]);
     assert!(emissive.attachments.iter().any(|a| a.name == "light"));
 }

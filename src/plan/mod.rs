@@ -262,7 +262,10 @@ fn check_size(options: &Options, limits: &Limits) -> crate::Result<()> {
 fn check_dither(options: &Options) -> crate::Result<()> {
     if options.dither && options.output.is_float() {
         return Err(crate::Error::unsupported(
-            format!("dither spreads the rounding to 8 bits, and the output {} is not rounded", options.output),
+            format!(
+                "dither spreads the rounding to 8 bits, and the output {} is not rounded",
+                options.output
+            ),
             "render to a PNG (an 8-bit output), or leave dither out",
         ));
     }

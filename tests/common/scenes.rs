@@ -2,8 +2,8 @@
 
 use ontile::glam::{Mat4, Vec2, Vec3, Vec4, camera::rh::view::look_at_mat4};
 use ontile::scene::{
-    AlphaMode, Camera, Image, Instance, Light, LightKind, Material, Mesh, Projection, Sampler, Scene, Texture,
-    TextureRef,
+    AlphaMode, Camera, Image, Instance, Light, LightKind, Material, Mesh, Projection, Sampler, Scene,
+    Texture, TextureRef,
 };
 use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
@@ -39,6 +39,7 @@ pub fn built() -> Vec<Scene> {
         orthographic(),
         lights_only(),
         lit_textures(),
+        emissive(),
         no_lights(),
         wholly_unlit(),
         one_unlit_triangle(),
@@ -101,7 +102,8 @@ pub fn lit_textures() -> Scene {
     let mut scene = Scene { name: "lit_textures".into(), cameras: vec![camera()], ..Scene::default() };
     scene.images = vec![tiles(), bumps()];
     scene.textures = [0, 1].map(|image| Texture { image, sampler: Sampler::default() }).to_vec();
-    let thrice = TextureRef { uv_from_texcoord: [Vec3::new(3.0, 0.5, 0.1), Vec3::new(-0.5, 3.0, 0.2)], ..texture(0) };
+    let thrice =
+        TextureRef { uv_from_texcoord: [Vec3::new(3.0, 0.5, 0.1), Vec3::new(-0.5, 3.0, 0.2)], ..texture(0) };
     let floor = Material { base_color_texture: Some(thrice), ..rough("floor", Vec3::splat(0.9)) };
     let flat = Mat4::from_rotation_x(-PI / 2.0) * Mat4::from_scale(Vec3::splat(3.0));
     add(&mut scene, square(), floor, &[flat]);
@@ -117,7 +119,12 @@ pub fn lit_textures() -> Scene {
     let mirrored = at(1.1, 0.5, 0.0) * Mat4::from_scale(half * Vec3::new(-1.0, 1.0, 1.0));
     add(&mut scene, sphere(), bumpy, &[at(-1.1, 0.5, 0.0) * Mat4::from_scale(half), mirrored]);
     let banner = Material { double_sided: true, ..rough("banner", Vec3::ONE) };
-    let corners = [Vec4::new(1.0, 0.1, 0.1, 1.0), Vec4::new(0.1, 1.0, 0.1, 1.0), Vec4::new(0.1, 0.1, 1.0, 1.0), Vec4::ONE];
+    let corners = [
+        Vec4::new(1.0, 0.1, 0.1, 1.0),
+        Vec4::new(0.1, 1.0, 0.1, 1.0),
+        Vec4::new(0.1, 0.1, 1.0, 1.0),
+        Vec4::ONE,
+    ];
     let colored = Mesh { colors: corners.to_vec(), ..square() };
     // Turned away: its back is seen.
     let away = at(-0.4, 0.5, 0.6) * Mat4::from_rotation_y(0.8 * PI) * Mat4::from_scale(Vec3::splat(0.3));
@@ -133,13 +140,17 @@ pub fn lit_textures() -> Scene {
     scene
 }
 
-/// Lit surfaces in the dark beside a glowing one.
-pub fn no_lights() -> Scene {
+/// [`lights_only`], where one of the surfaces glows.
+pub fn emissive() -> Scene {
     let mut scene = lights_only();
-    scene.name = "no_lights".into();
-    scene.lights.clear();
+    scene.name = "emissive".into();
     scene.materials[0].emissive_factor = Vec3::new(0.2, 0.5, 1.2);
     scene
+}
+
+/// [`emissive`] in the dark.
+pub fn no_lights() -> Scene {
+    Scene { name: "no_lights".into(), lights: Vec::new(), ..emissive() }
 }
 
 /// Textured unlit surfaces that hide each other.
@@ -189,8 +200,20 @@ fn lights() -> Vec<Light> {
     };
     let spot = LightKind::Spot { intensity_cd: 12.0, inner_cone_rad: 0.2, outer_cone_rad: 0.5 };
     vec![
-        light("sun", Vec3::new(1.0, 0.95, 0.9), LightKind::Directional { illuminance_lx: 1.5 }, Vec3::ZERO, None),
-        light("bulb", Vec3::new(0.4, 0.6, 1.0), LightKind::Point { intensity_cd: 4.0 }, Vec3::new(-1.5, 1.5, 1.0), Some(6.0)),
+        light(
+            "sun",
+            Vec3::new(1.0, 0.95, 0.9),
+            LightKind::Directional { illuminance_lx: 1.5 },
+            Vec3::ZERO,
+            None,
+        ),
+        light(
+            "bulb",
+            Vec3::new(0.4, 0.6, 1.0),
+            LightKind::Point { intensity_cd: 4.0 },
+            Vec3::new(-1.5, 1.5, 1.0),
+            Some(6.0),
+        ),
         light("torch", Vec3::new(1.0, 0.5, 0.3), spot, Vec3::new(1.3, 2.6, 1.5), None),
     ]
 }
