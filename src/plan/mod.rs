@@ -215,7 +215,7 @@ impl Plan {
     /// # Errors
     /// [`crate::Error::Unsupported`] if the limits do not allow the layout or the size.
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
-        check_size(&options, limits)?;
+        check_size(options.size, limits)?;
         let frame = stage::Frame::new(&needs, &options);
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options);
@@ -245,8 +245,9 @@ impl Plan {
     }
 }
 
-fn check_size(options: &Options, limits: &Limits) -> crate::Result<()> {
-    let [width, height] = options.size;
+/// # Errors
+/// [`crate::Error::Unsupported`] if no image can have this size in pixels.
+pub(crate) fn check_size([width, height]: [u32; 2], limits: &Limits) -> crate::Result<()> {
     let most = limits.max_image_size;
     if width == 0 || height == 0 || width > most || height > most {
         return Err(crate::Error::unsupported(
