@@ -33,8 +33,7 @@ pub fn floor(objects: usize, lights: usize, distinct: bool) -> Scene {
         }
     }
     scene.lights = grid(lights).enumerate().map(|(i, [x, z])| light(i, vec3(x, 1.8, z))).collect();
-    let world_from_view =
-        Mat4::from_translation(vec3(0.0, 9.0, 17.0)) * Mat4::from_rotation_x(-0.5);
+    let world_from_view = Mat4::from_translation(vec3(0.0, 9.0, 17.0)) * Mat4::from_rotation_x(-0.5);
     let projection = Projection::Perspective { yfov_rad: 0.9, znear_m: 0.1, zfar_m: Some(100.0) };
     scene.cameras = vec![Camera { name: "bench".into(), world_from_view, projection }];
     scene

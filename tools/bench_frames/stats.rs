@@ -38,6 +38,6 @@ impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits = f.precision().unwrap_or(2);
         let Self { median, first_quartile, third_quartile, .. } = self;
-        f.pad(&format!("{median:.digits$} [{first_quartile:.digits$}, {third_quartile:.digits$}]"))
+        write!(f, "{median:.digits$} [{first_quartile:.digits$}, {third_quartile:.digits$}]")
     }
 }
