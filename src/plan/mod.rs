@@ -216,7 +216,7 @@ impl Plan {
     /// [`crate::Error::Unsupported`] if the limits do not allow the layout or the size, or if the options contradict
     /// each other.
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
-        check_size(&options, limits)?;
+        check_size(options.size, limits)?;
         check_dither(&options)?;
         let frame = stage::Frame::new(&needs, &options);
         let places = derive::place(&frame, &options);
@@ -247,8 +247,9 @@ impl Plan {
     }
 }
 
-fn check_size(options: &Options, limits: &Limits) -> crate::Result<()> {
-    let [width, height] = options.size;
+/// # Errors
+/// [`crate::Error::Unsupported`] if no image can have this size in pixels.
+pub(crate) fn check_size([width, height]: [u32; 2], limits: &Limits) -> crate::Result<()> {
     let most = limits.max_image_size;
     if width == 0 || height == 0 || width > most || height > most {
         return Err(crate::Error::unsupported(
