@@ -158,7 +158,11 @@ pub fn scene(content: Content) -> Scene {
     };
     let place = |mesh: usize| Instance {
         mesh,
-        world_from_object: Mat4::from_translation(Vec3::new(0.7 * mesh as f32 - 2.5, 0.0, -0.3 * mesh as f32)),
+        world_from_object: Mat4::from_translation(Vec3::new(
+            0.7 * mesh as f32 - 2.5,
+            0.0,
+            -0.3 * mesh as f32,
+        )),
     };
     Scene {
         name: "squares".into(),

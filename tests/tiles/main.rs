@@ -133,7 +133,6 @@ fn one_pass_stays_on_the_tile() {
             Content::Unlit => 1,
         };
         assert_eq!((&totals["passes"], &totals["subpasses"]), (&1.into(), &subpasses.into()), "{case:?}");
-        // The format's own bytes: of the layout's and the depth test's attachments, the output in one of them or apart.
         let pass = &frame.trace.passes[0];
         assert_eq!(pass.attachments as usize, attachments(report).len());
         assert_eq!([pass.width_px, pass.height_px], child::SIZE);
@@ -157,9 +156,14 @@ fn stored_attachments_and_several_passes_are_found_out() {
     let separate = Case { strategy: Strategy::Separate, ..metallic(Content::Emissive) };
     frames(&turnip, &[separate], |_, _, frame| {
         frame.expect_objection("3 render passes instead of 1");
-        // What geometry fills is loaded or sampled by the later passes.
+        // Light, depth, normal and base colour at 4 bytes each; lighting adds to the light.
         frame.expect_objection("pass 0: stores 16 bytes per pixel instead of 4");
-        frame.expect_objection("is not transient");
+        frame.expect_objection("pass 1: loads 4 bytes per pixel instead of 0");
+        frame.expect_objection("\"normal_roughness\" is not transient");
+        // The vendors' checks are on.
+        frame.expect_objection(
+            "[Arm] [IMG]: Attachment 3 in render pass has begun with VK_ATTACHMENT_LOAD_OP_LOAD",
+        );
     });
     frames(&turnip, &[Fault::Stored, Fault::StoredInMemory].map(spoilt), |_, case, frame| {
         frame.expect_objection("pass 0: stores 8 bytes per pixel instead of 4");
@@ -197,17 +201,41 @@ fn captured_frames_have_memory() {
     frames(&turnip, &[case], |_, _, frame| {
         assert_eq!(frame.trace.verdict(OUTPUT_BYTES_PER_PIXEL), Verdict::OnTile);
         frame.expect_objection("\"normal_roughness\" is not lazily allocated");
-        // The checks of vendors are on: this one is Arm's and Imagination's common advice.
         frame.expect_objection("attachment-should-be-transient");
     });
 }
 
+/// Queries around the frame and after each stage: no reason to leave the tile.
 #[test]
-fn stage_timestamps() {
+fn queries_do_not_leave_the_tile() {
     let Some(turnip) = Turnip::find() else { return };
     let case = Case { stage_timestamps: true, ..metallic(Content::Emissive) };
     frames(&turnip, &[case], |gpu, _, frame| {
-        assert_eq!(frame.objections(), Vec::<String>::new(), "on {gpu}");
         assert!(frame.told.queries, "{gpu} has no queries to record");
+        assert_eq!(frame.objections(), Vec::<String>::new(), "on {gpu}");
     });
+}
+
+/// The program on the scenes that are shipped with it.
+#[cfg(feature = "cli")]
+#[test]
+fn the_program_stays_on_the_tile() {
+    let Some(turnip) = Turnip::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (picture, report) = (folder.path().join("frame.png"), folder.path().join("frame.json"));
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let files = assets.read_dir().unwrap().map(|file| file.unwrap().path());
+    let scenes: Vec<_> = files.filter(|f| f.extension().is_some_and(|e| e == "glb")).collect();
+    assert!(!scenes.is_empty(), "no scene in {}", assets.display());
+    for scene in scenes {
+        let mut command = turnip.command(660, Path::new(env!("CARGO_BIN_EXE_ontile")));
+        command.arg("render").arg(&scene).arg("-o").arg(&picture).args(["--size", "1280x720", "--validate"]);
+        command.arg("--report").arg(&report).env("XDG_CACHE_HOME", folder.path());
+        // The program fails if the validation layer says anything.
+        let trace = Turnip::trace(command).trace;
+        assert_eq!(trace.verdict(OUTPUT_BYTES_PER_PIXEL), Verdict::OnTile, "{}", scene.display());
+        let report: Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
+        assert_eq!(commitments(&report), Vec::<String>::new(), "{}", scene.display());
+        assert_eq!(report["device"]["validation_messages"], serde_json::json!([]), "{}", scene.display());
+    }
 }
