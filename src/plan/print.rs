@@ -126,9 +126,9 @@ impl Plan {
             self.passes.iter().flat_map(|p| &p.subpasses).map(|s| s.live_color_bits).max().unwrap_or(0);
         writeln!(
             f,
-            "  {} render passes, {} subpasses, at most {peak} colour bits live on the tile",
-            self.passes.len(),
-            self.stage_count()
+            "  {}, {}, at most {peak} colour bits live on the tile",
+            count(self.passes.len(), "render pass"),
+            count(self.stage_count(), "subpass")
         )?;
         writeln!(f, "\ntilers (modelled):")?;
         for v in verdicts(self) {
@@ -142,4 +142,9 @@ impl Plan {
         }
         Ok(())
     }
+}
+
+/// A number of things whose plural ends in -es.
+fn count(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "es" })
 }

@@ -130,7 +130,11 @@ impl Frame {
         let geometry = Stage {
             name: "geometry",
             uses: written.chain(depth_uses).collect(),
-            why: format!("{} kinds of surface fill the G-buffer", needs.kinds.len()),
+            why: format!(
+                "{} kind{} of surface fill the G-buffer",
+                needs.kinds.len(),
+                if needs.kinds.len() == 1 { "" } else { "s" }
+            ),
         };
         let read = surface.iter().map(|&r| (r, Use::Read));
         let lighting = Stage {
