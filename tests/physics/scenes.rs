@@ -129,8 +129,7 @@ pub fn lights() -> Scene {
         .0
 }
 
-/// Roughness from 0 to 1 across, metallicness from 0 to 1 upwards: tilted tiles, on which a mirror's highlight has
-/// the light's distance in it instead of a sphere's curvature; and spheres in front.
+/// Roughness from 0 to 1 across, metallicness from 0 to 1 upwards: spheres in front of tilted tiles.
 pub fn materials() -> Scene {
     use LightKind::{Directional, Point};
     let toward = Vec3::new(0.4, 0.8, 1.0);
@@ -151,12 +150,10 @@ pub fn materials() -> Scene {
             );
             let placement = Mat4::from_scale_rotation_translation(Vec3::splat(0.5), tilt, at);
             builder = builder.add(floor(), material(Vec3::new(0.9, 0.5, 0.3), metallic, roughness), placement);
-            if roughness >= 0.3 {
-                let sphere_at = at + Vec3::new(0.0, 0.0, 0.3);
-                let placement = Mat4::from_translation(sphere_at) * Mat4::from_scale(Vec3::splat(0.35));
-                builder =
-                    builder.add(sphere(), material(Vec3::new(0.3, 0.6, 0.9), metallic, roughness), placement);
-            }
+            let sphere_at = at + Vec3::new(0.0, 0.0, 0.3);
+            let placement = Mat4::from_translation(sphere_at) * Mat4::from_scale(Vec3::splat(0.35));
+            builder =
+                builder.add(sphere(), material(Vec3::new(0.3, 0.6, 0.9), metallic, roughness), placement);
         }
     }
     builder.0
