@@ -13,10 +13,11 @@ const float DIELECTRIC_F0 = 0.04;
 const float MIN_N_DOT_V = 1e-4;
 
 // GGX (Trowbridge and Reitz 1975; Walter et al. 2007, equation 33). 1 - (n.h)^2 is taken as |n x h|^2, since the
-// difference cancels where the lobe of a smooth surface is steepest. No microfacet faces below the surface.
+// difference cancels where the lobe of a smooth surface is steepest. No microfacet faces below the surface. f is
+// at least a2 for any unit h; the bound stands in for h = 0, when the light shines straight at the viewer.
 float d_ggx(float n_dot_h, vec3 n_cross_h, float alpha) {
     float a2 = alpha * alpha;
-    float f = n_dot_h * n_dot_h * a2 + dot(n_cross_h, n_cross_h);
+    float f = max(n_dot_h * n_dot_h * a2 + dot(n_cross_h, n_cross_h), a2);
     return float(n_dot_h > 0.0) * a2 / (PI * f * f);
 }
 

@@ -35,7 +35,7 @@ vec3 surface_normal_world(vec3 normal_sample) {
 #ifdef TEXTURED
     if (SLOT_NORMAL >= 0) {
         vec3 bitangent_world = cross(varying_normal_world, varying_tangent_world.xyz) * varying_tangent_world.w;
-        vec3 normal_tangent = (normal_sample * 2.0 - 1.0) * vec3(vec2(MATERIAL.normal_scale), 1.0);
+        vec3 normal_tangent = (normal_sample * 2.0 - 1.0) * vec3(vec2(material.normal_scale), 1.0);
         normal_world = varying_tangent_world.xyz * normal_tangent.x + bitangent_world * normal_tangent.y
             + varying_normal_world * normal_tangent.z;
     }
@@ -59,9 +59,9 @@ void main() {
     surface.depth = gl_FragCoord.z;
     surface.lit = !UNLIT;
     surface.normal_world = surface_normal_world(normal_sample);
-    surface.roughness = MATERIAL.roughness_factor * roughness_metallic.x;
+    surface.roughness = material.roughness_factor * roughness_metallic.x;
     surface.base_color = base_color.rgb;
-    surface.metallic = MATERIAL.metallic_factor * roughness_metallic.y;
+    surface.metallic = material.metallic_factor * roughness_metallic.y;
     gbuffer_write(surface);
 
 #ifdef LIGHT_TARGET
@@ -70,11 +70,11 @@ void main() {
         light = surface.base_color;
     }
     if (EMISSIVE) {
-        light += emissive_sample * MATERIAL.emissive_factor_alpha_cutoff.rgb;
+        light += emissive_sample * material.emissive_factor_alpha_cutoff.rgb;
     }
     if (AMBIENT) {
         float n_dot_v = clamp(dot(surface.normal_world, view_direction_world()), MIN_N_DOT_V, 1.0);
-        float occlusion = 1.0 + MATERIAL.occlusion_strength * (occlusion_sample - 1.0);
+        float occlusion = 1.0 + material.occlusion_strength * (occlusion_sample - 1.0);
         light += light_ambient(surface, n_dot_v, frame.ambient_nt.rgb, occlusion);
     }
     target_light = vec4(light * (frame.exposure * frame.light_scale), 1.0);

@@ -8,8 +8,6 @@
 // Mirrors InstanceData in src/gpu/shared.rs.
 struct Instance {
     vec4 world_from_object_rows[3];
-    uint material;
-    uint pad[3];
 };
 
 layout(set = SET_FRAME, binding = BINDING_INSTANCES, std430) readonly buffer Instances {
@@ -36,7 +34,6 @@ layout(location = VARYING_TEXCOORD) out vec4 varying_texcoord;
 layout(location = VARYING_TANGENT) out vec4 varying_tangent_world;
 #endif
 layout(location = VARYING_COLOR) out vec4 varying_color;
-layout(location = VARYING_MATERIAL) flat out uint varying_material;
 
 // Equal positions give equal depths in every module, so that passes may repeat each other's geometry.
 out gl_PerVertex {
@@ -47,7 +44,6 @@ void main() {
     vec4 row0 = instances[gl_InstanceIndex].world_from_object_rows[0];
     vec4 row1 = instances[gl_InstanceIndex].world_from_object_rows[1];
     vec4 row2 = instances[gl_InstanceIndex].world_from_object_rows[2];
-    varying_material = instances[gl_InstanceIndex].material;
 
     vec4 position = vec4(attribute_position, 1.0);
     vec3 position_world = vec3(dot(row0, position), dot(row1, position), dot(row2, position));

@@ -4,8 +4,10 @@
 layout(constant_id = ID_ALPHA_MASK) const bool ALPHA_MASK = false;
 layout(constant_id = ID_VERTEX_COLOR) const bool VERTEX_COLOR = false;
 
-// Mirrors MaterialData in src/gpu/shared.rs.
-struct Material {
+// Mirrors MaterialData in src/gpu/shared.rs. Uniforms rather than an element of a storage buffer: the address is the same
+// for the whole draw, so GPUs keep it in registers, and drivers that skip masked-off lanes' loads (lavapipe 22) cannot
+// spoil the derivatives of transformed texture coordinates.
+layout(set = SET_MATERIAL, binding = BINDING_MATERIAL, std140) uniform Material {
     vec4 base_color_factor;
     vec4 emissive_factor_alpha_cutoff;
     float metallic_factor;
@@ -13,17 +15,9 @@ struct Material {
     float normal_scale;
     float occlusion_strength;
     vec4 uv_rows[KIND_COUNT][2]; // uv = (dot(row 0, (s, t, 1)), dot(row 1, (s, t, 1)))
-};
+} material;
 
-layout(set = SET_FRAME, binding = BINDING_MATERIALS, std430) readonly buffer Materials {
-    Material materials[];
-};
-
-layout(location = VARYING_MATERIAL) flat in uint varying_material;
 layout(location = VARYING_COLOR) in vec4 varying_color;
-
-// Not a local copy: a fragment loads the members that it uses.
-#define MATERIAL materials[varying_material]
 
 #ifdef TEXTURED
 
@@ -43,7 +37,7 @@ vec2 material_uv(int kind) {
     vec2 uv = (TEXCOORD_BITS >> kind & 1u) != 0u ? varying_texcoord.zw : varying_texcoord.xy;
     if ((TRANSFORM_BITS >> kind & 1u) != 0u) {
         vec3 h = vec3(uv, 1.0);
-        uv = vec2(dot(MATERIAL.uv_rows[kind][0].xyz, h), dot(MATERIAL.uv_rows[kind][1].xyz, h));
+        uv = vec2(dot(material.uv_rows[kind][0].xyz, h), dot(material.uv_rows[kind][1].xyz, h));
     }
     return uv;
 }
@@ -61,11 +55,11 @@ vec2 material_uv(int kind) {
 
 // Linear Rec.709 and alpha: factor * texture * vertex colour (glTF 2.0, 3.9.2).
 vec4 material_base_color() {
-    vec4 color = MATERIAL.base_color_factor * MATERIAL_SAMPLE(BASE_COLOR, vec4(1.0));
+    vec4 color = material.base_color_factor * MATERIAL_SAMPLE(BASE_COLOR, vec4(1.0));
     return VERTEX_COLOR ? color * varying_color : color;
 }
 
 // True where an alpha mask cuts the surface away (3.9.4).
 bool material_is_cut(float alpha) {
-    return ALPHA_MASK && alpha < MATERIAL.emissive_factor_alpha_cutoff.w;
+    return ALPHA_MASK && alpha < material.emissive_factor_alpha_cutoff.w;
 }

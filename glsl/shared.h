@@ -9,9 +9,9 @@
 // Bindings of SET_FRAME and SET_MATERIAL.
 #define BINDING_FRAME 0
 #define BINDING_INSTANCES 1
-#define BINDING_MATERIALS 2
-#define BINDING_LIGHTS 3
-#define BINDING_TEXTURES 0
+#define BINDING_LIGHTS 2
+#define BINDING_MATERIAL 0
+#define BINDING_TEXTURES 1
 
 // Input attachment indices; the binding in SET_INPUTS is the same number.
 #define INPUT_DEPTH 0
@@ -31,7 +31,6 @@
 #define VARYING_TEXCOORD 1
 #define VARYING_TANGENT 2
 #define VARYING_COLOR 3
-#define VARYING_MATERIAL 4
 
 // Colour output locations: of geometry, and of the subpasses with one output.
 #define TARGET_DEPTH 0

@@ -23,6 +23,7 @@ vec3 tonemap_neutral(vec3 color) {
 
 // ACES reference rendering and sRGB output transforms as fitted by Stephen Hill (BakingLab, ACES.hlsl, 2016).
 // The matrices go from Rec.709 to the fit's space and back; columns here are the source's rows, hence `v * M`.
+// The curve of 0 is below 0, and saturated colours leave Rec.709: no display shows less than no light.
 vec3 tonemap_aces(vec3 color) {
     const mat3 fit_from_rec709 = mat3(
         0.59719, 0.35458, 0.04823,
@@ -35,7 +36,7 @@ vec3 tonemap_aces(vec3 color) {
     vec3 x = color * fit_from_rec709;
     vec3 a = x * (x + 0.0245786) - 0.000090537;
     vec3 b = x * (0.983729 * x + 0.4329510) + 0.238081;
-    return (a / b) * rec709_from_fit;
+    return max((a / b) * rec709_from_fit, 0.0);
 }
 
 // Reinhard et al. 2002, "Photographic Tone Reproduction for Digital Images", equation 3, per channel.

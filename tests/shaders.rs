@@ -146,7 +146,7 @@ fn blocks() -> [Block; 4] {
                 light_counts,
             }
         ),
-        block!("Instance" = InstanceData { world_from_object_rows, material, pad }),
+        block!("Instance" = InstanceData { world_from_object_rows }),
         block!(
             "Material" = MaterialData {
                 base_color_factor,

@@ -4,13 +4,9 @@ use super::shared::{InstanceData, LightData, MaterialData};
 use crate::plan::SurfaceKind;
 use crate::scene::{AlphaMode, Instance, Light, LightKind, Material, TextureRef};
 
-pub(super) fn instance(instance: &Instance, material: usize) -> InstanceData {
+pub(super) fn instance(instance: &Instance) -> InstanceData {
     let m = instance.world_from_object;
-    InstanceData {
-        world_from_object_rows: [m.row(0), m.row(1), m.row(2)].map(|r| r.to_array()),
-        material: material as u32,
-        pad: [0; 3],
-    }
+    InstanceData { world_from_object_rows: [m.row(0), m.row(1), m.row(2)].map(|r| r.to_array()) }
 }
 
 pub(super) fn material(m: &Material) -> MaterialData {

@@ -16,8 +16,8 @@ pub(super) struct DescriptorSets {
 
 /// What a binding is written with.
 pub(super) enum Content<'a> {
-    /// The first bytes of a buffer.
-    Buffer(&'a Buffer, u64),
+    /// A part of a buffer: offset and length in bytes.
+    Buffer(&'a Buffer, u64, u64),
     /// Images, one per array element.
     Images(Vec<vk::DescriptorImageInfo>),
 }
@@ -64,8 +64,8 @@ impl DescriptorSets {
             .dst_binding(binding)
             .descriptor_type(ty);
         let write = match content {
-            Content::Buffer(b, bytes) => {
-                buffer = [vk::DescriptorBufferInfo::default().buffer(b.raw()).range(*bytes)];
+            Content::Buffer(b, offset, bytes) => {
+                buffer = [vk::DescriptorBufferInfo::default().buffer(b.raw()).offset(*offset).range(*bytes)];
                 write.buffer_info(&buffer)
             }
             Content::Images(images) => write.image_info(images),

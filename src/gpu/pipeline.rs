@@ -20,7 +20,7 @@ const ENTRY: &CStr = c"main";
 /// Pipelines that take the same descriptor sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Family {
-    /// Frame, instances, materials; and this many textures.
+    /// Frame, instances; and a material with this many textures.
     Surface { textures: usize },
     /// Frame, lights; and the G-buffer.
     Lighting,
@@ -48,17 +48,13 @@ impl Family {
                 vec![
                     uniforms(S::VERTEX | S::FRAGMENT),
                     buffer(const { shared("BINDING_INSTANCES") }, S::VERTEX),
-                    buffer(const { shared("BINDING_MATERIALS") }, S::FRAGMENT),
                 ],
-                match textures as u32 {
-                    0 => Vec::new(),
-                    n => vec![(
-                        const { shared("BINDING_TEXTURES") },
-                        T::COMBINED_IMAGE_SAMPLER,
-                        n,
-                        S::FRAGMENT,
-                    )],
-                },
+                std::iter::once((const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT))
+                    .chain((textures > 0).then(|| {
+                        let count = textures as u32;
+                        (const { shared("BINDING_TEXTURES") }, T::COMBINED_IMAGE_SAMPLER, count, S::FRAGMENT)
+                    }))
+                    .collect(),
             ],
             Self::Lighting => [
                 vec![uniforms(S::FRAGMENT), buffer(const { shared("BINDING_LIGHTS") }, S::FRAGMENT)],

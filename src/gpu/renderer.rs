@@ -302,9 +302,9 @@ impl Frame<'_> {
         let scene = &self.renderer.scene;
         let mut bound_material = None;
         for batch in scene.batches_of(pipeline) {
-            if let Some(set) = batch.material_set.filter(|set| bound_material != Some(*set)) {
-                self.bind_set(layout, 1, scene.material_set(set));
-                bound_material = Some(set);
+            if bound_material != Some(batch.material_set) {
+                self.bind_set(layout, 1, scene.material_set(batch.material_set));
+                bound_material = Some(batch.material_set);
             }
             self.recorded.state_changes += scene.bind_mesh(self.recorder, batch, bound);
             scene.draw(self.recorder, batch);

@@ -8,7 +8,7 @@ use ash::vk;
 use super::descriptor::{Content, DescriptorSets};
 use super::pipeline::{Family, Pipelines};
 use super::shader::shared;
-use super::shared::{FrameUniforms, InstanceData, LightData};
+use super::shared::{FrameUniforms, InstanceData, LightData, MaterialData};
 use super::{
     Buffer, BufferDesc, ColorEncoding, Device, Geometry, MemoryUse, Recorder, Streams, TextureKey, Textures,
     Upload, View, convert,
@@ -22,8 +22,8 @@ use crate::scene::Scene;
 pub(super) struct Batch {
     /// Index into `Plan::pipelines`.
     pub(super) pipeline: usize,
-    /// The material's set of textures, if it has any: index for [`SceneData::material_set`].
-    pub(super) material_set: Option<usize>,
+    /// The material's descriptor set: index for [`SceneData::material_set`].
+    pub(super) material_set: usize,
     /// Index into `Scene::meshes`.
     mesh: usize,
     /// Index into `Scene::materials`.
@@ -42,7 +42,7 @@ pub(super) struct SceneData {
     batches_of: Vec<Range<usize>>,
     uniforms: Vec<Buffer>,
     instances: Option<Buffer>,
-    materials: Option<Buffer>,
+    materials: Option<Materials>,
     lights: Buffer,
     geometry: Geometry,
     textures: Textures,
@@ -69,7 +69,6 @@ impl SceneData {
             &texture_keys(scene, plan, &batches),
         )?;
         let (lights, light_counts) = convert::lights(&scene.lights);
-        let materials: Vec<_> = scene.materials.iter().map(convert::material).collect();
         let uniforms = (0..slots).map(|_| {
             let bytes = size_of::<FrameUniforms>() as u64;
             let usage = vk::BufferUsageFlags::UNIFORM_BUFFER;
@@ -83,7 +82,7 @@ impl SceneData {
             batches,
             uniforms: uniforms.collect::<Result<_>>()?,
             instances: storage(device, upload, "instances", &instances)?,
-            materials: storage(device, upload, "materials", &materials)?,
+            materials: Materials::new(device, upload, scene)?,
             lights: lights_buffer(device, upload, lights)?,
             geometry,
             textures,
@@ -108,16 +107,16 @@ impl SceneData {
         sets.raw(slot * self.families.len() + index)
     }
 
-    /// A material's textures.
+    /// A material's numbers and textures.
     pub(super) fn material_set(&self, index: usize) -> vk::DescriptorSet {
-        self.material_sets.as_ref().expect("the index comes from a batch with textures").raw(index)
+        self.material_sets.as_ref().expect("the index comes from a batch").raw(index)
     }
 
     /// Device memory of buffers and textures.
     pub(super) fn allocated_bytes(&self) -> u64 {
-        let buffers =
-            self.uniforms.iter().chain(&self.instances).chain(&self.materials).chain([&self.lights]);
+        let buffers = self.uniforms.iter().chain(&self.instances).chain([&self.lights]);
         buffers.map(Buffer::allocated_bytes).sum::<u64>()
+            + self.materials.as_ref().map_or(0, |m| m.buffer.allocated_bytes())
             + self.geometry.allocated_bytes()
             + self.textures.allocated_bytes()
     }
@@ -185,12 +184,11 @@ impl SceneData {
                         Some(&self.uniforms[index / self.families.len()])
                     }
                     b if b == const { shared("BINDING_INSTANCES") } => self.instances.as_ref(),
-                    b if b == const { shared("BINDING_MATERIALS") } => self.materials.as_ref(),
                     _ => Some(&self.lights),
                 };
                 // Surface pipelines exist only for instances, and so do these buffers.
                 if let Some(buffer) = buffer {
-                    sets.write(index, binding, ty, &Content::Buffer(buffer, buffer.size_bytes()));
+                    sets.write(index, binding, ty, &Content::Buffer(buffer, 0, buffer.size_bytes()));
                 }
             }
         }
@@ -198,7 +196,7 @@ impl SceneData {
         Ok(())
     }
 
-    /// One set per material and kind that samples textures; batches learn theirs.
+    /// One set per material and pipeline; batches learn theirs.
     fn write_material_sets(
         &mut self,
         device: &Device,
@@ -207,12 +205,12 @@ impl SceneData {
         pipelines: &Pipelines,
     ) -> Result<()> {
         let mut keys: Vec<(usize, usize)> = Vec::new();
-        for batch in self.batches.iter_mut().filter(|b| surface(plan, b.pipeline).textures != 0) {
+        for batch in &mut self.batches {
             let key = (batch.pipeline, batch.material);
             if keys.last() != Some(&key) {
                 keys.push(key);
             }
-            batch.material_set = Some(keys.len() - 1);
+            batch.material_set = keys.len() - 1;
         }
         let wanted: Vec<_> = keys
             .iter()
@@ -221,9 +219,17 @@ impl SceneData {
                 (layout.sets[1].raw(), layout.bindings[1].as_slice())
             })
             .collect();
-        let Some(sets) = DescriptorSets::new(device, &wanted, "material textures")? else { return Ok(()) };
+        let Some(sets) = DescriptorSets::new(device, &wanted, "materials")? else { return Ok(()) };
         for (index, &(pipeline, material)) in keys.iter().enumerate() {
-            let images = material_textures(scene, surface(plan, pipeline), material)
+            let Some(materials) = &self.materials else { continue };
+            let numbers = materials.content(material);
+            sets.write(
+                index,
+                const { shared("BINDING_MATERIAL") },
+                vk::DescriptorType::UNIFORM_BUFFER,
+                &numbers,
+            );
+            let images: Vec<_> = material_textures(scene, surface(plan, pipeline), material)
                 .map(|key| {
                     let (view, sampler) = self.textures.get(key).expect("uploaded by the same list");
                     vk::DescriptorImageInfo::default()
@@ -232,11 +238,46 @@ impl SceneData {
                         .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
                 })
                 .collect();
-            let ty = vk::DescriptorType::COMBINED_IMAGE_SAMPLER;
-            sets.write(index, const { shared("BINDING_TEXTURES") }, ty, &Content::Images(images));
+            if !images.is_empty() {
+                let ty = vk::DescriptorType::COMBINED_IMAGE_SAMPLER;
+                sets.write(index, const { shared("BINDING_TEXTURES") }, ty, &Content::Images(images));
+            }
         }
         self.material_sets = Some(sets);
         Ok(())
+    }
+}
+
+/// All materials' uniform blocks in one buffer.
+struct Materials {
+    buffer: Buffer,
+    /// From one block to the next: the block's size, rounded up to what the device aligns blocks to.
+    stride_bytes: u64,
+}
+
+impl Materials {
+    /// `None` without materials.
+    fn new(device: &Device, upload: &mut Upload, scene: &Scene) -> Result<Option<Self>> {
+        if scene.materials.is_empty() {
+            return Ok(None);
+        }
+        let alignment = device.caps().min_uniform_buffer_offset_alignment.max(1);
+        let stride_bytes = (size_of::<MaterialData>() as u64).next_multiple_of(alignment);
+        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+        let bytes = stride_bytes * scene.materials.len() as u64;
+        let desc = BufferDesc { name: "materials", bytes, usage, memory: MemoryUse::Device };
+        let buffer = Buffer::new(device, &desc)?;
+        let mut content = vec![0; bytes as usize];
+        for (block, material) in content.chunks_exact_mut(stride_bytes as usize).zip(&scene.materials) {
+            let data = convert::material(material);
+            block[..size_of::<MaterialData>()].copy_from_slice(bytemuck::bytes_of(&data));
+        }
+        upload.buffer(&buffer, 0, &content)?;
+        Ok(Some(Self { buffer, stride_bytes }))
+    }
+
+    fn content(&self, material: usize) -> Content<'_> {
+        Content::Buffer(&self.buffer, self.stride_bytes * material as u64, size_of::<MaterialData>() as u64)
     }
 }
 
@@ -274,12 +315,12 @@ fn batches(scene: &Scene, plan: &Plan) -> (Vec<Batch>, Vec<InstanceData>) {
     let mut data = Vec::with_capacity(order.len());
     for (pipeline, material, mesh, instance) in order {
         let first_instance = data.len() as u32;
-        data.push(convert::instance(instance, material));
+        data.push(convert::instance(instance));
         match batches.last_mut() {
             Some(last) if (last.pipeline, last.mesh) == (pipeline, mesh) => last.instance_count += 1,
             _ => batches.push(Batch {
                 pipeline,
-                material_set: None,
+                material_set: 0,
                 mesh,
                 material,
                 first_instance,

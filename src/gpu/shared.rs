@@ -39,13 +39,9 @@ pub struct FrameUniforms {
 pub struct InstanceData {
     /// The first three rows of the affine transform: `world[i] = dot(rows[i], (object, 1))`.
     pub world_from_object_rows: [[f32; 4]; 3],
-    /// Index into the array of [`MaterialData`].
-    pub material: u32,
-    /// Makes 64 bytes.
-    pub pad: [u32; 3],
 }
 
-/// A material's numbers: `Material` in `glsl/material.glsl`, std430.
+/// A material's numbers: `Material` in `glsl/material.glsl`, std140.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MaterialData {

@@ -26,8 +26,12 @@ pub fn alpha_from_roughness(roughness: f64) -> f64 {
 /// Trowbridge-Reitz (GGX) normal distribution, glTF 2.0 appendix B.3.2: Walter et al. 2007, eq. 33.
 ///
 /// |n × h|² stands for 1 - (n·h)², which cancels near the peak. The denominator's base is at least alpha² for
-/// any unit h; for h = 0, when the light shines straight at the viewer, that bound stands in. 1/sr.
+/// any unit h; for h = 0, when the light shines straight at the viewer, that bound stands in. No microfacet
+/// faces below the surface: 0 where n·h is not positive. 1/sr.
 pub fn d_ggx(n_dot_h: f64, n_cross_h: DVec3, alpha: f64) -> f64 {
+    if n_dot_h <= 0.0 {
+        return 0.0;
+    }
     let alpha_squared = alpha * alpha;
     let f = (n_dot_h * n_dot_h * alpha_squared + n_cross_h.length_squared()).max(alpha_squared);
     alpha_squared / (PI * f * f)
@@ -196,6 +200,14 @@ mod tests {
         let white = Attributes { base_color: DVec3::ONE, ..surface };
         let added = brdf(&white, DVec3::Z, DVec3::Z, DVec3::Z) - value;
         assert!((added - DVec3::splat(0.96 / PI)).length() < 1e-12);
+    }
+
+    #[test]
+    fn no_microfacet_faces_below_the_surface() {
+        // A viewer under the horizon, further than the light is above it.
+        let (v, l) = (direction(-0.6, 0.0), direction(0.3, 0.0));
+        assert_eq!(brdf(&metal(0.5), DVec3::Z, v, l), DVec3::ZERO);
+        assert!(brdf(&metal(0.5), DVec3::Z, direction(-0.2, 0.0), l).x > 0.0);
     }
 
     #[test]

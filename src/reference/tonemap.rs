@@ -34,6 +34,8 @@ pub fn tonemap_neutral(light: DVec3) -> DVec3 {
 
 /// Stephen Hill's fit of the ACES reference rendering transform and the sRGB output transform (in MJP's
 /// BakingLab, ACES.hlsl), Rec.709 in and out, without that file's exposure factor.
+///
+/// The curve of 0 is below 0, and saturated colours leave Rec.709: no display shows less than no light.
 pub fn tonemap_aces(light: DVec3) -> DVec3 {
     // Rec.709 -> XYZ -> D65 to D60 -> AP1 -> RRT saturation; and back. Rows as printed.
     let rrt_from_rec709 =
@@ -46,7 +48,7 @@ pub fn tonemap_aces(light: DVec3) -> DVec3 {
     let v = rrt_from_rec709 * light;
     let fitted =
         (v * (v + 0.0245786) - DVec3::splat(0.000090537)) / (v * (0.983729 * v + 0.4329510) + 0.238081);
-    rec709_from_odt * fitted
+    (rec709_from_odt * fitted).max(DVec3::ZERO)
 }
 
 fn from_rows(rows: [[f64; 3]; 3]) -> DMat3 {
@@ -105,11 +107,12 @@ mod tests {
         let curve =
             |v: f64| (v * v + 0.0245786 * v - 0.000090537) / (0.983729 * v * v + 0.432951 * v + 0.238081);
         let [r, g, b] = input.map(|row| curve(row * x));
-        DVec3::new(
+        let unclamped = [
             1.60475 * r - 0.53108 * g - 0.07367 * b,
             1.10813 * g - 0.10208 * r - 0.00605 * b,
             1.07602 * b - 0.00327 * r - 0.07276 * g,
-        )
+        ];
+        DVec3::from_array(unclamped.map(|v| v.max(0.0)))
     }
 
     #[test]
@@ -136,16 +139,31 @@ mod tests {
 
     #[test]
     fn curves_rise_and_stay_in_range() {
-        /// Hill's fit tends to 1 / 0.983729 and starts at -0.000090537 / 0.238081.
-        const ACES_RANGE: [f64; 2] = [-4e-4, 1.0166];
+        /// Hill's fit tends to 1 / 0.983729, and passes 0 where x² + 0.0245786 x = 0.000090537.
+        const ACES_MOST: f64 = 1.0166;
+        const ACES_BLACK: f64 = 0.00325;
         for curve in [Tonemap::Neutral, Tonemap::Reinhard, Tonemap::Aces] {
-            let range = if curve == Tonemap::Aces { ACES_RANGE } else { [0.0, 1.0] };
-            let mut previous = f64::NEG_INFINITY;
+            let (black, most) = if curve == Tonemap::Aces { (ACES_BLACK, ACES_MOST) } else { (0.0, 1.0) };
+            let mut previous = 0.0;
             for step in 0..4000 {
                 let x = (f64::from(step) * 0.005 - 10.0).exp2();
                 let out = tonemap(curve, DVec3::splat(x)).x;
-                assert!(out > previous && out >= range[0] && out < range[1], "{curve} at {x}: {out}");
+                let rises = if x > black { out > previous } else { out == 0.0 };
+                assert!(rises && out < most, "{curve} at {x}: {out}");
                 previous = out;
+            }
+        }
+    }
+
+    #[test]
+    fn no_curve_shows_less_than_no_light() {
+        let levels = [0.0, 1e-4, 3e-3, 0.18, 1.0, 30.0];
+        for &curve in Tonemap::ALL {
+            for r in levels {
+                for (g, b) in levels.into_iter().flat_map(|g| levels.map(|b| (g, b))) {
+                    let out = tonemap(curve, DVec3::new(r, g, b));
+                    assert!(out.min_element() >= 0.0, "{curve} of {r} {g} {b}: {out}");
+                }
             }
         }
     }

@@ -253,7 +253,8 @@ impl Reflection {
             let upper = |prefix: &str| name.strip_prefix(prefix).map(|rest| rest.to_uppercase());
             match class {
                 StorageClass::Uniform | StorageClass::StorageBuffer => {
-                    resource("SET_FRAME", format!("BINDING_{}", name.to_uppercase()));
+                    let set = if name == "material" { "SET_MATERIAL" } else { "SET_FRAME" };
+                    resource(set, format!("BINDING_{}", name.to_uppercase()));
                 }
                 StorageClass::UniformConstant => match upper("input_") {
                     Some(input) => {

@@ -1,0 +1,113 @@
+//! The `exact` layout's pictures against the reference's own, from visibility to tone curve.
+
+use ontile::plan::{Layout, Tonemap};
+use ontile::reference::{Settings, render};
+use ontile::scene::{Camera, LightKind, Scene};
+
+use crate::error::Errors;
+use crate::gpu::{Ask, Gpu, Rendered};
+use crate::scenes;
+
+fn compare(rendered: &Rendered, scene: &Scene, camera: &Camera, settings: &Settings) -> Errors {
+    Errors::of_display(&render(scene, camera, settings), &rendered.light())
+}
+
+#[test]
+fn linear_light_is_the_references() {
+    let Some(gpu) = Gpu::open() else { return };
+    let mut failed = Vec::new();
+    for scene in scenes::all() {
+        for camera in &scene.cameras {
+            let rendered = gpu.render(&scene, camera, Ask::EXACT);
+            let errors = compare(&rendered, &scene, camera, &rendered.settings);
+            println!("{}, {}: {errors}", scene.name, camera.name);
+            if let Err(reason) = errors.check() {
+                failed.push(format!("{}, {}: {reason}", scene.name, camera.name));
+            }
+        }
+    }
+    gpu.finish();
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+#[test]
+fn every_curve_at_every_exposure_is_the_references() {
+    let Some(gpu) = Gpu::open() else { return };
+    let mut failed = Vec::new();
+    for scene in [scenes::lights(), scenes::surfaces()] {
+        let camera = &scene.cameras[0];
+        for &tonemap in Tonemap::ALL {
+            for exposure_ev in [-3.0, 0.0, 3.0] {
+                let rendered = gpu.render(&scene, camera, Ask { tonemap, exposure_ev, ..Ask::EXACT });
+                let errors = compare(&rendered, &scene, camera, &rendered.settings);
+                println!("{}, {tonemap}, {exposure_ev:+} EV: {errors}", scene.name);
+                if let Err(reason) = errors.check() {
+                    failed.push(format!("{}, {tonemap}, {exposure_ev:+} EV: {reason}", scene.name));
+                }
+            }
+        }
+    }
+    gpu.finish();
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// A way in which the renderer might be wrong, done to what the reference is given instead.
+type Fault = (&'static str, fn(&mut Scene, &mut Settings));
+
+const FAULTS: &[Fault] = &[
+    ("pi off by 1 %", |scene, _| {
+        for light in &mut scene.lights {
+            light.color *= 1.01;
+        }
+    }),
+    ("one light off by 2 %", |scene, _| scene.lights[0].color *= 1.02),
+    ("roughness off by 0.02", |scene, _| {
+        for material in &mut scene.materials {
+            material.roughness_factor += 0.02;
+        }
+    }),
+    ("metallic off by 0.02", |scene, _| {
+        for material in &mut scene.materials {
+            material.metallic_factor = (material.metallic_factor - 0.02).abs();
+        }
+    }),
+    ("normal axes swapped", |scene, _| {
+        for normal in scene.meshes.iter_mut().flat_map(|m| &mut m.normals) {
+            std::mem::swap(&mut normal.x, &mut normal.z);
+        }
+    }),
+    ("spot cone in degrees of another angle", |scene, _| {
+        for light in &mut scene.lights {
+            if let LightKind::Spot { outer_cone_rad, .. } = &mut light.kind {
+                *outer_cone_rad *= 0.98;
+            }
+        }
+    }),
+    ("range ignored", |scene, _| {
+        for light in &mut scene.lights {
+            light.range_m = None;
+        }
+    }),
+    ("exposure off by 0.01 EV", |_, settings| settings.exposure_ev += 0.01),
+    ("another curve", |_, settings| settings.tonemap = Tonemap::Aces),
+    ("quantised", |_, settings| settings.layout = Some(Layout::Metallic128)),
+];
+
+#[test]
+fn every_fault_is_caught() {
+    let Some(gpu) = Gpu::open() else { return };
+    let scene = scenes::lights();
+    let camera = &scene.cameras[0];
+    let rendered = gpu.render(&scene, camera, Ask::EXACT);
+    assert_eq!(compare(&rendered, &scene, camera, &rendered.settings).check(), Ok(()));
+    for (name, fault) in FAULTS {
+        let (mut faulty, mut settings) = (scene.clone(), rendered.settings.clone());
+        fault(&mut faulty, &mut settings);
+        let errors = compare(&rendered, &faulty, camera, &settings);
+        println!("{name}: {errors}");
+        assert!(errors.check().is_err(), "{name}: not caught, {errors}");
+    }
+    let other = compare(&rendered, &scene, &scene.cameras[1], &rendered.settings);
+    assert!(other.check().is_err(), "another camera: not caught, {other}");
+    gpu.finish();
+}

@@ -1,0 +1,154 @@
+//! Pictures and G-buffers from the device at hand, under the validation layer.
+
+use ontile::glam::{DVec3, DVec4};
+use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
+use ontile::picture::{Picture, Pixels};
+use ontile::plan::{Layout, Needs, Options, OutputFormat, Plan, Tonemap};
+use ontile::reference::{Settings, Stored};
+use ontile::scene::{Camera, Scene};
+
+use crate::SIZE;
+use crate::common::ignored_unless_required;
+
+/// A device with validation.
+pub struct Gpu {
+    host: Headless,
+    cache: PipelineCache,
+}
+
+/// A frame and what is needed to compute the same one.
+pub struct Rendered {
+    pub picture: Picture,
+    /// The reference's settings for this frame, without a layout.
+    pub settings: Settings,
+}
+
+/// What is asked of either side.
+#[derive(Clone, Copy, Debug)]
+pub struct Ask {
+    pub layout: Layout,
+    pub tonemap: Tonemap,
+    pub exposure_ev: f32,
+    pub output: OutputFormat,
+}
+
+impl Ask {
+    /// Linear light in floats: nothing but arithmetic between the scene and the picture.
+    pub const EXACT: Self = Self {
+        layout: Layout::Exact,
+        tonemap: Tonemap::Linear,
+        exposure_ev: 0.0,
+        output: OutputFormat::Rgba32Float,
+    };
+
+    fn options(&self) -> Options {
+        Options {
+            size: SIZE,
+            layout: self.layout,
+            tonemap: self.tonemap,
+            output: self.output,
+            ..Options::default()
+        }
+    }
+}
+
+impl Gpu {
+    /// Says "ignored" and returns `None` where there is no device.
+    pub fn open() -> Option<Self> {
+        let options =
+            HeadlessOptions { device_name_part: None, validate: true, application_name: "physics".into() };
+        match Headless::new(&options) {
+            Ok(host) => {
+                let cache = PipelineCache::new(host.device(), &[]).expect("an empty cache can be made");
+                Some(Self { host, cache })
+            }
+            Err(error) => {
+                ignored_unless_required(&format!("no Vulkan device with validation: {error}"));
+                None
+            }
+        }
+    }
+
+    /// Renders one frame.
+    pub fn render(&self, scene: &Scene, camera: &Camera, ask: Ask) -> Rendered {
+        let (offscreen, settings) = self.frame(scene, camera, ask, ask.options());
+        Rendered { picture: offscreen.picture(), settings }
+    }
+
+    /// Renders one frame and keeps its G-buffer, as the lighting stage reads it. [`Stored::light`] is what geometry
+    /// wrote: it is read from a frame of the same scene without its lights.
+    pub fn render_with_gbuffer(&self, scene: &Scene, camera: &Camera, ask: Ask) -> (Rendered, Vec<Stored>) {
+        let options = Options { keep_gbuffer: true, ..ask.options() };
+        let (offscreen, settings) = self.frame(scene, camera, ask, options.clone());
+        let read = |o: &Offscreen, name| o.attachment(name).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let [depth, normal_roughness, base_metallic] =
+            ["depth", "normal_roughness", "base_metallic"].map(|name| read(&offscreen, name));
+        let light = if settings.light_target {
+            let dark = Scene { lights: Vec::new(), ..scene.clone() };
+            let (offscreen, dark_settings) = self.frame(&dark, camera, ask, options);
+            assert!(dark_settings.light_target, "what needs the light target is not the lights");
+            read(&offscreen, "light")
+        } else {
+            vec![0.0; depth.len()]
+        };
+        let texel = |values: &[f32], i: usize| {
+            let [x, y, z, w] = [0, 1, 2, 3].map(|c| f64::from(values[4 * i + c]));
+            DVec4::new(x, y, z, w)
+        };
+        let stored = (0..depth.len() / 4).map(|i| Stored {
+            depth: f64::from(depth[4 * i]),
+            normal_roughness: texel(&normal_roughness, i),
+            base_color_metallic: texel(&base_metallic, i),
+            light: texel(&light, i).truncate(),
+        });
+        let stored = stored.collect();
+        (Rendered { picture: offscreen.picture(), settings }, stored)
+    }
+
+    fn frame(&self, scene: &Scene, camera: &Camera, ask: Ask, options: Options) -> (Offscreen, Settings) {
+        let device = self.host.device();
+        let layout = options.layout;
+        let plan =
+            Plan::new(Needs::of(scene), options, &device.caps().limits()).expect("the scene can be planned");
+        let light_target = plan.has_light_target();
+        let settings = Settings {
+            size: SIZE,
+            exposure_ev: f64::from(ask.exposure_ev),
+            tonemap: ask.tonemap,
+            layout: None,
+            light_target,
+            light_scale: if light_target { f64::from(layout.light_scale()) } else { 1.0 },
+        };
+        let mut offscreen = Offscreen::new(device, scene, plan, RendererConfig::default(), &self.cache)
+            .expect("a renderer can be made");
+        offscreen.render(&View { camera, exposure_ev: ask.exposure_ev }).expect("a frame can be rendered");
+        (offscreen, settings)
+    }
+
+    /// Closes the device.
+    ///
+    /// # Panics
+    /// If the validation layer said anything.
+    pub fn finish(self) {
+        let Self { host, cache } = self;
+        drop(cache);
+        assert_eq!(host.finish(), Vec::<String>::new());
+    }
+}
+
+impl Rendered {
+    /// Red, green and blue of each pixel of a float picture.
+    pub fn light(&self) -> Vec<DVec3> {
+        let Pixels::Rgba32F(values) = &self.picture.pixels else { panic!("a float picture was asked for") };
+        values
+            .chunks_exact(4)
+            .map(|p| DVec3::new(f64::from(p[0]), f64::from(p[1]), f64::from(p[2])))
+            .collect()
+    }
+
+    /// Red, green and blue codes of each pixel of an 8-bit picture.
+    pub fn codes(&self) -> Vec<[u8; 3]> {
+        let Pixels::Rgba8(values) = &self.picture.pixels else { panic!("an 8-bit picture was asked for") };
+        values.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect()
+    }
+}

@@ -1,0 +1,17 @@
+//! The GPU's pictures against the f64 reference: with the `exact` layout the shaders are all that can differ, with
+//! `metallic128` the error is what its bits cost. Every check is shown to fail on a fault.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod error;
+mod exact;
+mod finite;
+mod gbuffer;
+mod gpu;
+mod quantised;
+mod scenes;
+mod textured;
+
+/// Sixteen to nine, large enough for highlights and cones, small enough for a software rasteriser.
+const SIZE: [u32; 2] = [256, 144];
