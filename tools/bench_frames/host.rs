@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use ash::vk;
 use ontile::Result;
 use ontile::gpu::{
     Commands, Device, Image, ImageDesc, OutputImage, PipelineCache, Renderer, RendererConfig, Target, View,
@@ -42,8 +41,10 @@ impl Host {
 
     pub fn with_renderer(device: &Device, renderer: Renderer) -> Result<Self> {
         let size = renderer.plan().options.size;
-        let usage = renderer.output_usage() | vk::ImageUsageFlags::TRANSFER_SRC;
-        let output = Image::new(device, &ImageDesc::new("output", renderer.output_format(), size, usage))?;
+        let output = Image::new(
+            device,
+            &ImageDesc::new("output", renderer.output_format(), size, renderer.output_usage()),
+        )?;
         let images = [OutputImage { image: output.raw(), view: output.view() }];
         let target = renderer.create_target(size, &images)?;
         let commands = Commands::new(device, "frame")?;
