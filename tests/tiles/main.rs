@@ -9,7 +9,7 @@ mod child;
 mod common;
 
 use child::{Case, Fault, Told};
-use common::{scenes::shipped_files, turnip::Turnip};
+use common::turnip::Turnip;
 use ontile::measure::tiler::{TilerTrace, Verdict};
 use ontile::plan::{Layout, Strategy};
 use serde_json::Value;
@@ -220,16 +220,17 @@ fn queries_do_not_leave_the_tile() {
     });
 }
 
-/// The program on the scenes that are shipped with it.
+/// The program on the scenes that are shipped with it and on sample models.
 #[cfg(feature = "cli")]
 #[test]
 fn the_program_stays_on_the_tile() {
+    use common::scenes::{sample_files, shipped_files};
     let Some(turnip) = Turnip::find() else { return };
     let folder = tempfile::tempdir().unwrap();
     let (picture, report) = (folder.path().join("frame.png"), folder.path().join("frame.json"));
     let scenes = shipped_files();
     assert!(!scenes.is_empty(), "assets/ ships no scene");
-    for scene in scenes {
+    for scene in scenes.into_iter().chain(sample_files()) {
         let mut command = turnip.command(660, Path::new(env!("CARGO_BIN_EXE_ontile")));
         command.arg("render").arg(&scene).arg("-o").arg(&picture).args(["--size", "1280x720", "--validate"]);
         command.arg("--report").arg(&report).env("XDG_CACHE_HOME", folder.path());
