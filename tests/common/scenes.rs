@@ -32,6 +32,25 @@ pub fn shipped_files() -> Vec<PathBuf> {
     files
 }
 
+/// The Khronos sample models beside the checkout (or in the folder `assets` of `ONTILE_SHARED`), in order of name. Empty
+/// where they are absent, which is said.
+pub fn sample_files() -> Vec<PathBuf> {
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
+    let models = std::env::var_os("ONTILE_SHARED").map_or_else(beside, PathBuf::from).join("assets/models");
+    let Ok(entries) = std::fs::read_dir(&models) else {
+        super::ignored(&format!("sample models: {} absent", models.display()));
+        return Vec::new();
+    };
+    let mut files = Vec::new();
+    for folder in entries.map(|entry| entry.expect("models can be listed").path()) {
+        let name = folder.file_name().expect("a folder has a name");
+        let both = ["glb", "gltf"].map(|extension| folder.join(name).with_extension(extension));
+        files.extend(both.into_iter().find(|file| file.is_file()));
+    }
+    files.sort();
+    files
+}
+
 /// All scenes of this file.
 pub fn built() -> Vec<Scene> {
     vec![

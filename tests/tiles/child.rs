@@ -1,16 +1,17 @@
-//! What the judged process does: render a small scene by a plan, perhaps a spoilt one, and write down what happened.
+//! What the judged process does: render a scene by a plan, perhaps a spoilt one, and write down what happened.
 
-use ontile::glam::{Mat4, Vec3, Vec4};
+use crate::common::scenes;
 use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
 use ontile::plan::{Access, Layout, Needs, Options, Plan, Store, Strategy};
-use ontile::scene::{Camera, Instance, Light, LightKind, Material, Mesh, Projection, Scene};
+use ontile::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// What to render.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Case {
-    pub content: Content,
+    /// One of `scenes::built`, by name.
+    pub scene: String,
     pub layout: Layout,
     pub strategy: Strategy,
     pub recycle: bool,
@@ -19,17 +20,6 @@ pub struct Case {
     pub capture: bool,
     /// `RendererConfig::stage_timestamps`.
     pub stage_timestamps: bool,
-}
-
-/// What the scene has, and so which plan it gets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Content {
-    /// Lit and emissive: a light target, three stages.
-    Emissive,
-    /// Lit only: lighting and tonemap are one stage.
-    Lit,
-    /// Unlit only: one stage.
-    Unlit,
 }
 
 /// What is wrong with the plan.
@@ -62,9 +52,9 @@ pub struct Told {
 pub const SIZE: [u32; 2] = [1920, 1080];
 
 impl Case {
-    pub fn new(content: Content, layout: Layout) -> Self {
+    pub fn new(scene: &str, layout: Layout) -> Self {
         Self {
-            content,
+            scene: scene.into(),
             layout,
             strategy: Strategy::Subpasses,
             recycle: true,
@@ -74,7 +64,11 @@ impl Case {
         }
     }
 
-    pub fn plan(&self) -> Plan {
+    fn scene(&self) -> Scene {
+        scenes::built().into_iter().find(|scene| scene.name == self.scene).expect("a scene of this name")
+    }
+
+    fn plan(&self, scene: &Scene) -> Plan {
         let options = Options {
             size: SIZE,
             strategy: self.strategy,
@@ -82,7 +76,7 @@ impl Case {
             recycle: self.recycle,
             ..Options::default()
         };
-        let mut plan = Plan::new(Needs::of(&scene(self.content)), options, &Default::default()).unwrap();
+        let mut plan = Plan::new(Needs::of(scene), options, &Default::default()).unwrap();
         if let Some(fault) = self.fault {
             spoil(&mut plan, fault);
         }
@@ -100,8 +94,8 @@ impl Case {
             stage_timestamps: self.stage_timestamps,
             ..RendererConfig::default()
         };
-        let scene = scene(self.content);
-        let mut offscreen = Offscreen::new(host.device(), &scene, self.plan(), config, &cache).unwrap();
+        let scene = self.scene();
+        let mut offscreen = Offscreen::new(host.device(), &scene, self.plan(&scene), config, &cache).unwrap();
         offscreen.render(&View { camera: &scene.cameras[0], exposure_ev: 0.0 }).unwrap();
         let report = serde_json::to_value(offscreen.report(&scene)).unwrap();
         let queries =
@@ -132,56 +126,5 @@ fn spoil(plan: &mut Plan, fault: Fault) {
             used.store = Store::Store;
             attachments[index].transient = fault == Fault::Stored;
         }
-    }
-}
-
-/// Squares of several materials around a lamp. Colours, metallicness and roughness differ; kinds of surfaces do not.
-pub fn scene(content: Content) -> Scene {
-    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-    let square = |material| Mesh {
-        name: "square".into(),
-        positions: corners.iter().map(|&(x, y)| Vec3::new(x, y, 0.0)).collect(),
-        normals: vec![Vec3::Z; 4],
-        indices: vec![0, 1, 2, 0, 2, 3],
-        material,
-        ..Mesh::default()
-    };
-    const SQUARES: usize = 8;
-    let material = |i: usize| Material {
-        name: format!("material {i}"),
-        base_color_factor: Vec4::new(0.2 + 0.1 * i as f32, 0.5, 0.9 - 0.1 * i as f32, 1.0),
-        metallic_factor: (i % 2) as f32,
-        roughness_factor: 0.1 * (i + 1) as f32,
-        emissive_factor: if content == Content::Emissive && i == 0 { Vec3::ONE } else { Vec3::ZERO },
-        unlit: content == Content::Unlit,
-        ..Material::default()
-    };
-    let place = |mesh: usize| Instance {
-        mesh,
-        world_from_object: Mat4::from_translation(Vec3::new(
-            0.7 * mesh as f32 - 2.5,
-            0.0,
-            -0.3 * mesh as f32,
-        )),
-    };
-    Scene {
-        name: "squares".into(),
-        meshes: (0..SQUARES).map(square).collect(),
-        instances: (0..SQUARES).map(place).collect(),
-        materials: (0..SQUARES).map(material).collect(),
-        lights: vec![Light {
-            name: "lamp".into(),
-            color: Vec3::ONE,
-            kind: LightKind::Point { intensity_cd: 20.0 },
-            position_world: Vec3::new(0.0, 1.0, 2.0),
-            direction_world: Vec3::NEG_Z,
-            range_m: None,
-        }],
-        cameras: vec![Camera {
-            name: "front".into(),
-            world_from_view: Mat4::from_translation(Vec3::new(0.0, 0.0, 5.0)),
-            projection: Projection::Perspective { yfov_rad: 1.0, znear_m: 0.1, zfar_m: None },
-        }],
-        ..Scene::default()
     }
 }
