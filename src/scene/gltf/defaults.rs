@@ -19,8 +19,9 @@ pub fn camera(bounds: Option<Aabb>) -> Camera {
     let bounds = bounds.unwrap_or(Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) });
     let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
     let center = (min + max) * 0.5;
-    // A point has no size to go by, and far from the origin f32 cannot tell close positions apart.
-    let least = if max == min { 1.0 } else { 0.0 };
+    // A point has no size to go by, f32 has no smaller planes to clip at, and far from the origin it cannot
+    // tell close positions apart.
+    let least = if max == min { 1.0 } else { 1e-12 };
     let radius = ((max - min).length() * 0.5).max(center.length() * 1e-5).max(least);
 
     let (sin_azimuth, cos_azimuth) = AZIMUTH_DEG.to_radians().sin_cos();

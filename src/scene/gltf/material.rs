@@ -1,6 +1,7 @@
 //! Materials, textures and samplers; only those that something drawn uses.
 
 use std::collections::HashMap;
+use std::hash::Hash;
 
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json::extensions::texture::TextureTransform;
@@ -29,6 +30,8 @@ pub struct Materials {
     pub images: Vec<usize>,
     pub warnings: Vec<String>,
     by_index: HashMap<Option<usize>, usize>,
+    texture_indices: HashMap<Texture, usize>,
+    image_indices: HashMap<usize, usize>,
 }
 
 impl Materials {
@@ -186,8 +189,8 @@ impl Materials {
             }
             None => Sampler::default(),
         };
-        let image = position_or_push(&mut self.images, found.source.value());
-        let texture = position_or_push(&mut self.textures, Texture { image, sampler });
+        let image = index_of(&mut self.images, &mut self.image_indices, found.source.value());
+        let texture = index_of(&mut self.textures, &mut self.texture_indices, Texture { image, sampler });
         let uv_from_texcoord = match transform {
             Some(transform) => uv_rows(doc, transform, &element)?,
             None => TextureRef::IDENTITY,
@@ -247,8 +250,9 @@ fn read_sampler(doc: &Document, sampler: &json::texture::Sampler, index: usize) 
     })
 }
 
-fn position_or_push<T: PartialEq>(list: &mut Vec<T>, item: T) -> usize {
-    list.iter().position(|known| *known == item).unwrap_or_else(|| {
+/// The position of `item` in `list`, to which it is added if it is new.
+fn index_of<T: Copy + Eq + Hash>(list: &mut Vec<T>, indices: &mut HashMap<T, usize>, item: T) -> usize {
+    *indices.entry(item).or_insert_with(|| {
         list.push(item);
         list.len() - 1
     })

@@ -124,7 +124,9 @@ impl Primitive<'_> {
         if let Some(normal_texture) = &material.normal_texture {
             if mesh.tangents.is_empty() {
                 budget.take(doc, element, mesh.indices.len(), 0)?;
-                tangent::make_tangents(mesh, normal_texture);
+                if let Err(why) = tangent::make_tangents(mesh, normal_texture) {
+                    warnings.push(format!("{element}: {why}; its tangents are arbitrary"));
+                }
             } else {
                 tangent::normalize_tangents(mesh);
             }

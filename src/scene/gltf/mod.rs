@@ -16,11 +16,12 @@ mod source;
 mod tangent;
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::Path;
 
 use glam::{DMat3, Mat4};
 
-use super::{Instance, Mesh, Scene};
+use super::{Aabb, Instance, Mesh, Scene};
 use crate::Result;
 use document::{Document, MAX_INSTANCES};
 use material::Materials;
@@ -58,13 +59,17 @@ impl Scene {
         scene.textures = materials.textures;
         scene.warnings.append(&mut materials.warnings);
 
-        let bounds = scene.bounds_world();
-        if let Some(b) = bounds
-            && !(b.min.abs().max(b.max.abs()).max_element() <= MAX_COORDINATE_M)
-        {
-            let problem = format!("reaches from {} to {}, beyond {MAX_COORDINATE_M:e} m", b.min, b.max);
-            return Err(doc.bad("nodes", problem, "scale the scene down"));
+        for instance in &scene.instances {
+            let bounds =
+                scene.meshes[instance.mesh].bounds().map(|b| b.transformed(&instance.world_from_object));
+            if let Some(Aabb { min, max }) = bounds.filter(|b| !is_representable(b)) {
+                let mesh = &scene.meshes[instance.mesh].name;
+                let problem =
+                    format!("mesh '{mesh}' reaches from {min} to {max}, beyond {MAX_COORDINATE_M:e} m");
+                return Err(doc.bad("nodes", problem, "scale the scene down"));
+            }
         }
+        let bounds = scene.bounds_world();
         if bounds.is_none() {
             scene.warnings.push("scene: it has no triangles, so nothing is drawn".into());
         }
@@ -82,10 +87,15 @@ impl Scene {
     }
 }
 
+fn is_representable(bounds: &Aabb) -> bool {
+    [bounds.min, bounds.max].iter().all(|p| p.is_finite() && p.abs().max_element() <= MAX_COORDINATE_M)
+}
+
 /// Meshes, their instances and the materials they use.
 fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &mut Materials) -> Result<()> {
     // Undeformed primitives are shared by all nodes; deformed ones belong to theirs. `None` had no triangles.
     let mut known: HashMap<(usize, usize, Option<usize>), Option<usize>> = HashMap::new();
+    let mut skins: HashMap<usize, Skin> = HashMap::new();
     let mut budget = Budget::default();
     for &node_index in &tree.drawn {
         let node = &doc.root.nodes[node_index];
@@ -94,7 +104,12 @@ fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &m
         let mesh = doc.get(&doc.root.meshes, "meshes", mesh_index, format!("{element}.mesh"))?;
         let weights = pose::morph_weights(doc, node_index, mesh_index)?;
         let skin = match node.skin {
-            Some(index) => Some(Skin::read(doc, tree, index, &format!("{element}.skin"))?),
+            Some(index) => match skins.entry(index.value()) {
+                Entry::Occupied(known) => Some(known.into_mut()),
+                Entry::Vacant(new) => {
+                    Some(new.insert(Skin::read(doc, tree, index, &format!("{element}.skin"))?))
+                }
+            },
             None => None,
         };
         let world_from_node = tree.world_from_node[node_index];
@@ -103,8 +118,8 @@ fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &m
             continue;
         }
         let world_from_object = if skin.is_some() { Mat4::IDENTITY } else { world_from_node.as_mat4() };
-        let own = (skin.is_some() || weights.is_some()).then_some(node_index);
-        let pose = Pose { weights, skin: skin.as_ref() };
+        let own = (skin.is_some() || node.weights.is_some()).then_some(node_index);
+        let pose = Pose { weights, skin: skin.as_deref() };
         for (j, json) in mesh.primitives.iter().enumerate() {
             let element = format!("meshes[{}].primitives[{j}]", mesh_index.value());
             let key = (mesh_index.value(), j, own);

@@ -102,43 +102,100 @@ pub fn normalize_tangents(mesh: &mut Mesh) {
     }
 }
 
+/// MikkTSpace takes quadratic time, and its recursion that deep a stack, in the number of triangles around a
+/// vertex and in the number of vertices at a position.
+const MAX_VALENCE: u32 = 4096;
+/// Enough for a recursion over [`MAX_VALENCE`] triangles.
+const STACK_BYTES: usize = 8 << 20;
+
 /// Tangents by MikkTSpace, on vertices that are split where they must be. They follow the coordinates that the
 /// normal texture is sampled with; a mesh without these gets any tangents, for the texture is not sampled.
-pub fn make_tangents(mesh: &mut Mesh, normal_texture: &TextureRef) {
+///
+/// # Errors
+/// Why the tangents are not MikkTSpace's although the texture is sampled; they are then any that are square to
+/// the normals.
+pub fn make_tangents(mesh: &mut Mesh, normal_texture: &TextureRef) -> Result<(), &'static str> {
     mesh.tangents.clear();
+    let mut outcome = Ok(());
     if !mesh.texcoords[normal_texture.texcoord].is_empty() {
-        unweld(mesh);
-        mesh.tangents = mikktspace_tangents(mesh, normal_texture).unwrap_or_default();
+        weld(mesh);
+        if max_valence(mesh) > MAX_VALENCE {
+            outcome = Err("too many triangles meet in one point");
+        } else {
+            unweld(mesh);
+            match mikktspace_tangents(mesh, normal_texture) {
+                Some(tangents) => mesh.tangents = tangents,
+                None => outcome = Err("MikkTSpace failed"),
+            }
+        }
     }
-    let done = !mesh.tangents.is_empty();
+    let split = !mesh.tangents.is_empty();
     mesh.tangents.resize(mesh.positions.len(), Vec4::W);
     normalize_tangents(mesh);
-    if done {
+    if split {
         weld(mesh);
     }
+    outcome
+}
+
+/// The greatest number of triangles around a vertex or of vertices at a position.
+fn max_valence(mesh: &Mesh) -> u32 {
+    let mut triangles = vec![0; mesh.positions.len()];
+    mesh.indices.iter().for_each(|&i| triangles[i as usize] += 1);
+    let mut vertices = HashMap::with_capacity(mesh.positions.len());
+    for p in &mesh.positions {
+        // Adding zero makes -0 and 0 one.
+        *vertices.entry((*p + Vec3::ZERO).to_array().map(f32::to_bits)).or_insert(0) += 1;
+    }
+    triangles.into_iter().chain(vertices.into_values()).max().unwrap_or(0)
 }
 
 /// The tangents of an unwelded mesh; `None` if the algorithm gives up.
 fn mikktspace_tangents(mesh: &Mesh, normal_texture: &TextureRef) -> Option<Vec<Vec4>> {
-    // The algorithm recurses once per triangle around a vertex: a large fan needs a deep stack.
-    let stack_bytes = (4 << 20) + mesh.indices.len() / 3 * 1024;
-    let tangents = vec![Vec4::W; mesh.positions.len()];
-    let mut geometry = Unwelded { mesh, normal_texture, tangents };
+    let texcoords = &mesh.texcoords[normal_texture.texcoord];
+    let mut geometry = Unwelded {
+        positions: into_unit_box(mesh.positions.iter().map(Vec3::to_array)),
+        texcoords: into_unit_box(texcoords.iter().map(|t| normal_texture.uv(*t).to_array())),
+        normals: &mesh.normals,
+        tangents: vec![Vec4::W; mesh.positions.len()],
+    };
     std::thread::scope(|scope| {
         let run = || mikktspace::generate_tangents(&mut geometry).then_some(geometry.tangents);
-        std::thread::Builder::new().stack_size(stack_bytes).spawn_scoped(scope, run).ok()?.join().ok()?
+        std::thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, run).ok()?.join().ok()?
     })
 }
 
+/// Moved and scaled (by one factor for all axes) into [0, 1]: MikkTSpace's directions do not depend on either,
+/// but its arithmetic overflows for large values and takes small ones for zero.
+fn into_unit_box<const N: usize>(points: impl Iterator<Item = [f32; N]> + Clone) -> Vec<[f32; N]> {
+    let (mut min, mut max) = ([f64::INFINITY; N], [f64::NEG_INFINITY; N]);
+    for point in points.clone() {
+        for axis in 0..N {
+            min[axis] = min[axis].min(f64::from(point[axis]));
+            max[axis] = max[axis].max(f64::from(point[axis]));
+        }
+    }
+    let extent = (0..N).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
+    let scale = if extent > 0.0 { 1.0 / extent } else { 1.0 };
+    let map = |point: [f32; N]| {
+        std::array::from_fn(|axis| {
+            let value = ((f64::from(point[axis]) - min[axis]) * scale) as f32;
+            if value.is_finite() { value } else { 0.0 }
+        })
+    };
+    points.map(map).collect()
+}
+
 struct Unwelded<'a> {
-    mesh: &'a Mesh,
-    normal_texture: &'a TextureRef,
+    positions: Vec<[f32; 3]>,
+    texcoords: Vec<[f32; 2]>,
+    normals: &'a [Vec3],
     tangents: Vec<Vec4>,
 }
 
 impl mikktspace::Geometry for Unwelded<'_> {
     fn num_faces(&self) -> usize {
-        self.mesh.positions.len() / 3
+        self.positions.len() / 3
     }
 
     fn num_vertices_of_face(&self, _: usize) -> usize {
@@ -146,16 +203,15 @@ impl mikktspace::Geometry for Unwelded<'_> {
     }
 
     fn position(&self, face: usize, vert: usize) -> [f32; 3] {
-        self.mesh.positions[face * 3 + vert].to_array()
+        self.positions[face * 3 + vert]
     }
 
     fn normal(&self, face: usize, vert: usize) -> [f32; 3] {
-        self.mesh.normals[face * 3 + vert].to_array()
+        self.normals[face * 3 + vert].to_array()
     }
 
     fn tex_coord(&self, face: usize, vert: usize) -> [f32; 2] {
-        let texcoord = self.mesh.texcoords[self.normal_texture.texcoord][face * 3 + vert];
-        self.normal_texture.uv(texcoord).to_array()
+        self.texcoords[face * 3 + vert]
     }
 
     fn set_tangent_encoded(&mut self, [x, y, z, sign]: [f32; 4], face: usize, vert: usize) {
