@@ -124,10 +124,12 @@ fn render(args: &RenderArgs, scene: &Scene) -> Result<(Picture, Report)> {
 fn draw(args: &RenderArgs, scene: &Scene, camera: &Camera, device: &Device) -> Result<(Picture, Report)> {
     let plan = Plan::new(Needs::of(scene), args.options(), &device.caps().limits())?;
     let cache = PipelineCache::load(device)?;
+    // On a tiler the stages of one pass interleave, so times between them would be of nothing.
+    let interleaved = device.caps().lazily_allocated_memory && plan.passes.len() == 1;
     let config = RendererConfig {
         frames_in_flight: 1,
         capture: args.run.capture,
-        stage_timestamps: args.run.report.is_some(),
+        stage_timestamps: args.run.report.is_some() && !interleaved,
     };
     let progress = Progress::of("preparing");
     let mut offscreen = Offscreen::new(device, scene, plan, config, &cache)?;
