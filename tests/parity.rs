@@ -119,7 +119,7 @@ fn pictures_in_flight(gpu: &Gpu<'_>, scene: &Scene, plan: Plan, exposures_ev: &[
     let image = |_| Image::new(device, &ImageDesc::new("output", format, size, usage)).unwrap();
     let images: Vec<_> = exposures_ev.iter().map(image).collect();
     let outputs: Vec<_> = images.iter().map(|i| OutputImage { image: i.raw(), view: i.view() }).collect();
-    let target = renderer.create_target(&outputs).unwrap();
+    let target = renderer.create_target(size, &outputs).unwrap();
 
     let frame = |(slot, &exposure_ev)| {
         let readback = Readback::new(device, format, size).unwrap();
