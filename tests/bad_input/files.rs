@@ -94,7 +94,7 @@ fn files_and_uris() {
                 textured(f, &bytes);
             },
             "images[0]",
-            "",
+            "limit",
         ),
         (
             "no source",
