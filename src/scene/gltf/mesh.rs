@@ -151,6 +151,10 @@ impl Primitive<'_> {
             return Err(doc.bad(format!("{attributes}.POSITION"), problem, "export the file again"));
         };
         let vertices = count(positions, "POSITION")?;
+        if vertices == 0 {
+            let problem = "has no elements";
+            return Err(doc.bad(format!("{attributes}.POSITION"), problem, "export the file again"));
+        }
         for (semantic, &index) in &self.json.attributes {
             let Checked::Valid(semantic) = semantic else { continue };
             let name = semantic.to_string();

@@ -44,8 +44,8 @@ impl Scene {
     /// 0.8 lx from its lower left. [`Scene::warnings`] tells what was left out, replaced or added.
     ///
     /// # Errors
-    /// [`crate::Error::Io`] if `path` cannot be read. [`crate::Error::Input`] for anything in it that breaks the rules of
-    /// glTF 2.0, needs an unsupported extension, or refers to data that is missing or broken.
+    /// [`crate::Error::Io`] if `path` cannot be read. [`crate::Error::Input`] for anything in it that breaks
+    /// the rules of glTF 2.0, needs an unsupported extension, or refers to data that is missing or broken.
     pub fn load(path: &Path) -> Result<Self> {
         let doc = Document::read(path)?;
         let tree = NodeTree::read(&doc)?;
