@@ -127,7 +127,7 @@ impl fmt::Display for Unit {
 /// is equal in both flatters every mean.
 ///
 /// # Errors
-/// [`Error::Unsupported`] if the pictures (or the mask) differ in size, if one has 8 bits and the other floats,
+/// [`crate::Error::Unsupported`] if the pictures (or the mask) differ in size, if one has 8 bits and the other floats,
 /// or if no pixel counts.
 pub fn compare(a: &Picture, b: &Picture, mask: Option<&Picture>) -> Result<Comparison> {
     let pairs = Pairs::new(a, b, mask)?;

@@ -51,8 +51,7 @@ pub fn once(file: &Path, size: [u32; 2], device: Option<String>) -> Result<Once>
     let mut last = Instant::now();
     let mut lap_ms = || {
         let now = Instant::now();
-        let ms = (now - std::mem::replace(&mut last, now)).as_secs_f64() * 1e3;
-        ms
+        (now - std::mem::replace(&mut last, now)).as_secs_f64() * 1e3
     };
     let headless = Headless::new(&HeadlessOptions {
         device_name_part: device,
