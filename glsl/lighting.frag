@@ -18,8 +18,12 @@ layout(constant_id = ID_FOLD) const bool FOLD = false;
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
 vec3 reflected(Surface surface, vec3 v, Incident incident) {
-    float n_dot_l = max(dot(surface.normal_world, incident.direction), 0.0);
-    return brdf(surface, surface.normal_world, v, incident.direction) * (incident.illuminance * n_dot_l);
+    vec3 irradiance = incident.illuminance * max(dot(surface.normal_world, incident.direction), 0.0);
+    // Behind the surface, out of range or beside the cone, as most lights are for most pixels.
+    if (irradiance == vec3(0.0)) {
+        return vec3(0.0);
+    }
+    return brdf(surface, surface.normal_world, v, incident.direction) * irradiance;
 }
 
 // cd/m^2 towards the viewer.

@@ -3,7 +3,7 @@
 use super::{Called, Device, Owned};
 use crate::{Error, Result};
 use ash::vk;
-use std::ffi::CString;
+use std::ffi::CStr;
 
 /// A command buffer in the recording state: a host's or our own.
 ///
@@ -37,17 +37,20 @@ impl<'a> Recorder<'a> {
     }
 
     /// Opens a label that debuggers and traces show; dropping the guard closes it. Nothing happens without
-    /// VK_EXT_debug_utils.
+    /// VK_EXT_debug_utils. Names are cut at 63 bytes: recording a frame allocates nothing.
     #[must_use = "the label ends when the guard is dropped"]
     pub fn label(&self, name: &str) -> Label<'a> {
-        let open = self.device.debug_utils().is_some();
-        if let (Some(debug_utils), Ok(name)) = (self.device.debug_utils(), CString::new(name)) {
-            let info = vk::DebugUtilsLabelEXT::default().label_name(&name);
+        let debug_utils = self.device.debug_utils();
+        if let Some(debug_utils) = debug_utils {
+            let mut text = [0; 64];
+            let length = name.len().min(text.len() - 1);
+            text[..length].copy_from_slice(&name.as_bytes()[..length]);
+            let name = CStr::from_bytes_until_nul(&text).expect("the last byte is never written");
+            let info = vk::DebugUtilsLabelEXT::default().label_name(name);
             // SAFETY: the command buffer is recording.
             unsafe { debug_utils.cmd_begin_debug_utils_label(self.raw, &info) };
-            return Label { recorder: *self, open };
         }
-        Label { recorder: *self, open: false }
+        Label { recorder: *self, open: debug_utils.is_some() }
     }
 }
 

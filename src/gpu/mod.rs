@@ -13,6 +13,8 @@
 //! Memory comes from one place (`memory.rs`) and every object is counted, so [`Device::live`] tells at any
 //! time what exists. Commands are recorded through a [`Recorder`], which stands for a command buffer in the
 //! recording state, a host's or our own. Nothing here waits for the GPU except [`Commands`].
+//!
+#![doc = include_str!("embedding.md")]
 
 mod buffer;
 mod cache;
@@ -42,6 +44,9 @@ mod texture;
 mod upload;
 mod validation;
 mod view;
+
+pub use ash;
+pub use gpu_allocator;
 
 pub use buffer::{Buffer, BufferDesc};
 pub use cache::PipelineCache;

@@ -9,7 +9,7 @@ use super::{
     RendererConfig, Target, View, conv,
 };
 use crate::picture::{Picture, Pixels};
-use crate::plan::{DeviceFigures, Figure, Format, Plan, Report, State};
+use crate::plan::{DeviceFigures, Figure, Format, Plan, Report};
 use crate::scene::Scene;
 use crate::{Error, Result};
 
@@ -48,13 +48,12 @@ impl Offscreen {
             Ok(())
         })?;
         renderer.finish_upload();
-        let plan = renderer.plan();
-        let planned = &plan.attachments[0];
-        let format = conv::format(planned.format);
-        let usage = conv::usage(planned.usage) | vk::ImageUsageFlags::TRANSFER_SRC;
-        let size = plan.options.size;
+        let format = renderer.output_format();
+        let usage = renderer.output_usage() | vk::ImageUsageFlags::TRANSFER_SRC;
+        let size = renderer.plan().options.size;
         let output = Image::new(device, &ImageDesc::new("output", format, size, usage))?;
-        let target = renderer.create_target(&[OutputImage { image: output.raw(), view: output.view() }])?;
+        let target =
+            renderer.create_target(size, &[OutputImage { image: output.raw(), view: output.view() }])?;
         let readback = Readback::new(device, format, size)?;
         let commands = Commands::new(device, "frame")?;
         Ok(Self { commands, target, readback, output, renderer, measured: Vec::new() })
@@ -66,7 +65,7 @@ impl Offscreen {
     /// [`Error::Vulkan`], e.g. when the device is lost.
     pub fn render(&mut self, view: &View<'_>) -> Result<()> {
         let Self { commands, target, readback, output, renderer, measured } = self;
-        let layout = conv::layout(State::after_frame(renderer.plan().options.output_use));
+        let layout = renderer.output_layout();
         let record_ms = commands.record(|recorder| {
             let start = Instant::now();
             renderer.record(recorder, 0, target, 0, view);

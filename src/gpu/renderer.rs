@@ -7,10 +7,10 @@ use super::pipeline::{Family, Pipelines};
 use super::scene_data::{BoundMesh, SceneData};
 use super::target::check_formats;
 use super::{
-    Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View,
+    Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
 use crate::Result;
-use crate::plan::{Pipeline, Plan};
+use crate::plan::{Pipeline, Plan, State};
 use crate::scene::Scene;
 
 /// How a [`Renderer`] is set up.
@@ -115,12 +115,29 @@ impl Renderer {
         self.upload = None;
     }
 
-    /// Makes the attachments that go with the host's images.
+    /// Makes the attachments that go with the host's images, which are of this size in pixels. A renderer can have
+    /// targets of several sizes; the plan's own size is only the one that reports speak of.
     ///
     /// # Errors
-    /// [`crate::Error::Vulkan`].
-    pub fn create_target(&self, outputs: &[OutputImage]) -> Result<Target> {
-        Target::new(&self.device, &self.plan, &self.passes, &self.pipelines, outputs, self.config.capture)
+    /// [`crate::Error::Unsupported`] if the device has no images of that size; [`crate::Error::Vulkan`].
+    pub fn create_target(&self, size: [u32; 2], outputs: &[OutputImage]) -> Result<Target> {
+        let Self { device, plan, passes, pipelines, config, .. } = self;
+        Target::new(device, plan, passes, pipelines, size, outputs, config.capture)
+    }
+
+    /// The format that output images must have.
+    pub fn output_format(&self) -> vk::Format {
+        conv::format(self.plan.attachments[0].format)
+    }
+
+    /// The usage that output images must have at least.
+    pub fn output_usage(&self) -> vk::ImageUsageFlags {
+        conv::usage(self.plan.attachments[0].usage)
+    }
+
+    /// The layout that a frame leaves its output image in; what it is in before does not matter.
+    pub fn output_layout(&self) -> vk::ImageLayout {
+        conv::layout(State::after_frame(self.plan.options.output_use))
     }
 
     /// The plan.
@@ -157,7 +174,8 @@ impl Renderer {
     /// `slot` is below [`RendererConfig::frames_in_flight`], and the GPU has finished the frame that was recorded with it
     /// before. `output` is an index into the target's images. Earlier accesses to the output image are ordered by the
     /// render pass if they are copies or colour writes on the same queue; a swapchain's semaphore is waited for at the
-    /// stage COLOR_ATTACHMENT_OUTPUT. Afterwards the image is in the layout that the plan's `output_use` says.
+    /// stage COLOR_ATTACHMENT_OUTPUT. Afterwards the image is in
+    /// [`Self::output_layout`].
     ///
     /// # Panics
     /// If `slot` or `output` is out of range.
@@ -169,7 +187,8 @@ impl Renderer {
         output: usize,
         view: &View<'_>,
     ) {
-        self.scene.write_frame(slot, view, &self.plan);
+        let vk::Extent2D { width, height } = target.extent();
+        self.scene.write_frame(slot, view, &self.plan, [width, height]);
         let mut frame =
             Frame { renderer: self, recorder, slot, target, output, recorded: Recorded::default() };
         frame.record();

@@ -123,8 +123,8 @@ impl SceneData {
     }
 
     /// Fills the slot's uniform block; the GPU has finished with the slot.
-    pub(super) fn write_frame(&mut self, slot: usize, view: &View<'_>, plan: &Plan) {
-        let uniforms = view.uniforms(plan, self.ambient_nt, self.light_counts);
+    pub(super) fn write_frame(&mut self, slot: usize, view: &View<'_>, plan: &Plan, size: [u32; 2]) {
+        let uniforms = view.uniforms(plan, size, self.ambient_nt, self.light_counts);
         self.uniforms[slot].mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
     }
 

@@ -5,11 +5,11 @@ use ash::vk;
 use super::descriptor::{Content, DescriptorSets};
 use super::pipeline::{Family, Pipelines};
 use super::{Device, Image, ImageDesc, Owned, conv};
-use crate::plan::{Load, Pipeline, Plan};
+use crate::plan::{Load, Pipeline, Plan, check_size};
 use crate::{Error, Result};
 
-/// A host's image that frames are drawn to: of the plan's size and output format, one sample, one level, with at least
-/// the usage of the plan's first attachment. The host keeps image and view alive as long as the [`Target`].
+/// A host's image that frames are drawn to: of the target's size, one sample, one level, of the format
+/// `Renderer::output_format`, with at least the usage `Renderer::output_usage`. The host keeps image and view alive as long as the [`Target`].
 #[derive(Clone, Copy, Debug)]
 pub struct OutputImage {
     /// The image.
@@ -44,10 +44,11 @@ impl Target {
         plan: &Plan,
         passes: &[Owned<vk::RenderPass>],
         pipelines: &Pipelines,
+        size: [u32; 2],
         outputs: &[OutputImage],
         capture: bool,
     ) -> Result<Self> {
-        let size = plan.options.size;
+        check_size(size, &device.caps().limits())?;
         let attachments = plan
             .attachments
             .iter()

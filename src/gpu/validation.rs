@@ -53,7 +53,7 @@ unsafe extern "system" fn collect(
         false => unsafe { CStr::from_ptr(s) }.to_string_lossy().into_owned(),
     };
     let (id, message) = (text(data.p_message_id_name), text(data.p_message));
-    if is_about_ourselves(&id, &message) || reads_the_wrong_indices(&id) {
+    if is_about_ourselves(&id, &message) || reads_the_wrong_indices(&id) || is_about_unread_varyings(&id) {
         return vk::FALSE;
     }
     messages.push(format!("{severity:?} {types:?} {id}: {message}"));
@@ -71,4 +71,11 @@ fn is_about_ourselves(id: &str, message: &str) -> bool {
 /// layers name the check otherwise and are heard.
 fn reads_the_wrong_indices(id: &str) -> bool {
     id == "UNASSIGNED-BestPractices-vkCmdDrawIndexed-sparse-index-buffer"
+}
+
+/// One vertex module serves fragment modules that read more of its outputs and others that read fewer. Vulkan allows it,
+/// and drivers drop what is not read when they link a pipeline. (The other way round, an input that nothing writes, is
+/// an error of another name.)
+fn is_about_unread_varyings(id: &str) -> bool {
+    id == "UNASSIGNED-CoreValidation-Shader-OutputNotConsumed"
 }

@@ -16,14 +16,16 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// The uniform block of a frame. Computed in f64: the f32 result is the nearest to the exact one.
+    /// The uniform block of a frame of this size in pixels. Computed in f64: the f32 result is the nearest to the
+    /// exact one.
     pub(super) fn uniforms(
         &self,
         plan: &Plan,
+        size: [u32; 2],
         ambient_nt: glam::Vec3,
         light_counts: [u32; 3],
     ) -> FrameUniforms {
-        let [width, height] = plan.options.size.map(f64::from);
+        let [width, height] = size.map(f64::from);
         let aspect = width / height;
         let world_from_view: DMat4 = self.camera.world_from_view.as_dmat4();
         let clip_from_view = self.camera.projection.clip_from_view(aspect as f32).as_dmat4();

@@ -213,9 +213,11 @@ impl Plan {
     /// Decides everything.
     ///
     /// # Errors
-    /// [`crate::Error::Unsupported`] if the limits do not allow the layout or the size.
+    /// [`crate::Error::Unsupported`] if the limits do not allow the layout or the size, or if the options contradict
+    /// each other.
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
-        check_size(&options, limits)?;
+        check_size(options.size, limits)?;
+        check_dither(&options)?;
         let frame = stage::Frame::new(&needs, &options);
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options);
@@ -245,13 +247,27 @@ impl Plan {
     }
 }
 
-fn check_size(options: &Options, limits: &Limits) -> crate::Result<()> {
-    let [width, height] = options.size;
+/// # Errors
+/// [`crate::Error::Unsupported`] if no image can have this size in pixels.
+pub(crate) fn check_size([width, height]: [u32; 2], limits: &Limits) -> crate::Result<()> {
     let most = limits.max_image_size;
     if width == 0 || height == 0 || width > most || height > most {
         return Err(crate::Error::unsupported(
             format!("an image of {width}x{height} pixels cannot be rendered"),
             format!("choose a size from 1x1 to {most}x{most}"),
+        ));
+    }
+    Ok(())
+}
+
+fn check_dither(options: &Options) -> crate::Result<()> {
+    if options.dither && options.output.is_float() {
+        return Err(crate::Error::unsupported(
+            format!(
+                "dither spreads the rounding to 8 bits, and the output {} is not rounded",
+                options.output
+            ),
+            "render to a PNG (an 8-bit output), or leave dither out",
         ));
     }
     Ok(())

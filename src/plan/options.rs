@@ -90,6 +90,13 @@ named_enum! {
     }
 }
 
+impl OutputFormat {
+    /// Whether channels are floats, neither clamped nor rounded to 8 bits.
+    pub const fn is_float(self) -> bool {
+        matches!(self, Self::Rgba16Float | Self::Rgba32Float)
+    }
+}
+
 named_enum! {
     /// What happens to the final image after the frame; decides its final layout.
     OutputUse {
@@ -126,7 +133,7 @@ pub struct Options {
     pub recycle: bool,
     /// Merge lighting and tonemap where nothing needs the light target.
     pub fold: bool,
-    /// Add half a step of ordered noise before quantising the output.
+    /// Add half a step of ordered noise before rounding the output to 8 bits; no choice with a float output.
     pub dither: bool,
     /// Store the G-buffer too, so that it can be read back (for debugging and tests).
     pub keep_gbuffer: bool,

@@ -1,7 +1,10 @@
-//! Where the devices of the tests are.
+//! What several test files share: devices, scenes, pictures, expected files.
 
 #![allow(dead_code, reason = "each test file uses some of this")]
 
+pub mod expected;
+pub mod render;
+pub mod scenes;
 pub mod swiftshader;
 pub mod turnip;
 

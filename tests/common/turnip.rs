@@ -38,24 +38,32 @@ impl Turnip {
             .arg(program)
             .env("FD_GPU_ID", gpu_id.to_string())
             .env("MESA_GPU_TRACES", "print")
-            .env("TU_DEBUG", "gmem,nolrz,perf")
-            .env_remove("VK_INSTANCE_LAYERS");
+            .env("TU_DEBUG", "gmem,nolrz,perf");
+        // What other layers than the one beside the driver are told.
+        for name in ["VK_INSTANCE_LAYERS", "VK_LAYER_ENABLES", "VK_LAYER_SETTINGS_PATH"] {
+            command.env_remove(name);
+        }
         command
     }
 
-    /// Runs the command and reads its trace.
+    /// Runs the command and reads its trace. The driver writes that to a file of its own: on standard output it would
+    /// mix with the program's lines, since each has its own buffer.
     ///
     /// # Panics
     ///
     /// With the program's output, when it fails or prints no well-formed trace.
     pub fn trace(mut command: Command) -> TurnipRun {
+        let folder = tempfile::tempdir().expect("a temporary folder can be made");
+        let file = folder.path().join("trace.txt");
+        command.env("MESA_GPU_TRACEFILE", &file);
         let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
         let stdout = String::from_utf8_lossy(&output.stdout);
         let stderr = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{command:?}: {}\n{stdout}\n{stderr}", output.status);
-        let text = format!("{stdout}\n{stderr}");
+        let trace = std::fs::read_to_string(&file).unwrap_or_default();
+        let text = format!("{trace}\n{stderr}");
         let trace = TilerTrace::parse(Path::new("Turnip's output"), &text)
-            .unwrap_or_else(|error| panic!("{command:?}: {error}\n{text}"));
+            .unwrap_or_else(|error| panic!("{command:?}: {error}\n{stdout}\n{text}"));
         TurnipRun { trace, output }
     }
 }

@@ -44,7 +44,8 @@ fn light_straight_at_the_viewer_is_dark_not_nan() {
     // Every surface that is seen turns its back on the only light.
     assert_eq!(towards_the_light, 0.0);
     let Projection::Orthographic { .. } = scene.cameras[1].projection else { panic!("rays are parallel") };
-    let reference = render(&scene, &scene.cameras[1], &gpu.render(&scene, &scene.cameras[1], Ask::EXACT).settings);
+    let reference =
+        render(&scene, &scene.cameras[1], &gpu.render(&scene, &scene.cameras[1], Ask::EXACT).settings);
     assert!(reference.pixels.iter().any(|p| p.covered));
     gpu.finish();
 }

@@ -21,7 +21,8 @@ const BOUNDS: [f64; 5] = [2e-5, 4e-4, 1e-5, 1e-5, 1e-4];
 fn differences(found: &Attributes, expected: &Attributes, view: &View) -> Differences {
     let distance = (expected.position_world - view.position_world).length();
     let dark = 1e-3;
-    let prelit = (found.prelit - expected.prelit).abs() / expected.prelit.max(ontile::glam::DVec3::splat(dark));
+    let prelit =
+        (found.prelit - expected.prelit).abs() / expected.prelit.max(ontile::glam::DVec3::splat(dark));
     [
         ("position / distance", (found.position_world - expected.position_world).length() / distance),
         ("normal, rad", (found.normal_world - expected.normal_world).length()),

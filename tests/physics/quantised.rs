@@ -156,7 +156,8 @@ const STEPS_OF_MIRRORS: f64 = 4.0;
 fn nothing_but_the_formats_is_lost() {
     let Some(gpu) = Gpu::open() else { return };
     let mut failed = Vec::new();
-    for scene in scenes::all() {
+    // Turned: the code of a normal's component of 0 is a tie, 127.5, which either side may round its own way.
+    for scene in scenes::all().into_iter().map(scenes::turned) {
         for camera in &scene.cameras {
             let frame = InSteps::new(&gpu, &scene, camera);
             let from_gbuffer = frame.errors(&frame.from_gbuffer(&frame.settings()));
@@ -186,6 +187,7 @@ fn nothing_but_the_formats_is_lost() {
 fn every_fault_is_caught() {
     let Some(gpu) = Gpu::open() else { return };
     for (scene, bound) in [(scenes::grazing(), ONE_STEP), (scenes::surfaces(), TWO_STEPS)] {
+        let scene = scenes::turned(scene);
         let frame = InSteps::new(&gpu, &scene, &scene.cameras[0]);
         let right = frame.settings();
         let faults = [
@@ -194,7 +196,6 @@ fn every_fault_is_caught() {
             ("another curve", Settings { tonemap: Tonemap::Aces, ..right.clone() }),
         ];
         for (name, fault) in faults {
-            // A light target of floats differs from one of 10 bits by half a step at most: only surfaces can tell.
             let errors = frame.errors(&frame.from_scene(&fault));
             let caught = quantile(&errors, 0.99) > bound;
             assert!(caught, "{}, {name}: not caught, {}", scene.name, describe(&errors));

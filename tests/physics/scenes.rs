@@ -4,13 +4,27 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use ontile::glam::camera::rh::view::look_at_mat4;
 use ontile::glam::{EulerRot, Mat4, Quat, Vec3, Vec4};
-use ontile::scene::{
-    AlphaMode, Camera, Instance, Light, LightKind, Material, Mesh, Projection, Scene,
-};
+use ontile::scene::{AlphaMode, Camera, Instance, Light, LightKind, Material, Mesh, Projection, Scene};
 
 /// Every scene, with at least one camera each.
 pub fn all() -> Vec<Scene> {
     vec![lights(), materials(), placements(), surfaces(), grazing(), orthographic_along_light()]
+}
+
+/// The same scene in a world that is turned as a whole: the picture stays, but no normal lies along an axis any more.
+pub fn turned(mut scene: Scene) -> Scene {
+    let turn = Mat4::from_euler(EulerRot::XYZ, 0.3, 0.5, 0.2);
+    for instance in &mut scene.instances {
+        instance.world_from_object = turn * instance.world_from_object;
+    }
+    for light in &mut scene.lights {
+        light.position_world = turn.transform_point3(light.position_world);
+        light.direction_world = turn.transform_vector3(light.direction_world).normalize();
+    }
+    for camera in &mut scene.cameras {
+        camera.world_from_view = turn * camera.world_from_view;
+    }
+    scene
 }
 
 fn camera(name: &str, eye: Vec3, target: Vec3, projection: Projection) -> Camera {
@@ -22,8 +36,7 @@ fn camera(name: &str, eye: Vec3, target: Vec3, projection: Projection) -> Camera
 fn cameras(eye: Vec3, target: Vec3) -> Vec<Camera> {
     let perspective = |zfar_m| Projection::Perspective { yfov_rad: 0.7, znear_m: 0.1, zfar_m };
     let half = 0.36 * (target - eye).length();
-    let orthographic =
-        Projection::Orthographic { xmag_m: half, ymag_m: half, znear_m: 0.1, zfar_m: 40.0 };
+    let orthographic = Projection::Orthographic { xmag_m: half, ymag_m: half, znear_m: 0.1, zfar_m: 40.0 };
     vec![
         camera("finite far", eye, target, perspective(Some(60.0))),
         camera("infinite far", eye + Vec3::new(0.9, 0.2, 0.0), target, perspective(None)),
@@ -118,14 +131,51 @@ fn big_floor() -> Mat4 {
 /// Each type of light, coloured, with and without range, within and beyond it; one behind everything.
 pub fn lights() -> Scene {
     use LightKind::{Directional, Point, Spot};
-    let spot = |intensity_cd, inner_cone_rad, outer_cone_rad| Spot { intensity_cd, inner_cone_rad, outer_cone_rad };
+    let spot =
+        |intensity_cd, inner_cone_rad, outer_cone_rad| Spot { intensity_cd, inner_cone_rad, outer_cone_rad };
     let lights = vec![
-        light(Directional { illuminance_lx: 0.4 }, Vec3::new(1.0, 0.9, 0.8), Vec3::new(2.0, 4.0, 3.0), Vec3::ZERO, None),
-        light(Point { intensity_cd: 1.5 }, Vec3::new(1.0, 0.2, 0.1), Vec3::new(-1.8, 1.2, 0.6), Vec3::ZERO, None),
-        light(Point { intensity_cd: 4.0 }, Vec3::new(0.1, 0.3, 1.0), Vec3::new(1.9, 0.9, 0.4), Vec3::ZERO, Some(1.7)),
-        light(spot(6.0, 0.2, 0.45), Vec3::new(0.2, 1.0, 0.3), Vec3::new(0.0, 3.0, 1.5), Vec3::new(0.2, 0.0, 0.0), None),
-        light(spot(9.0, 0.0, 0.6), Vec3::new(1.0, 1.0, 0.2), Vec3::new(-3.0, 2.0, -1.0), Vec3::new(-1.5, 0.0, -1.8), Some(3.5)),
-        light(spot(2.0, 0.3, FRAC_PI_2), Vec3::ONE, Vec3::new(3.0, 1.5, -2.0), Vec3::new(3.0, 0.0, -2.5), None),
+        light(
+            Directional { illuminance_lx: 0.4 },
+            Vec3::new(1.0, 0.9, 0.8),
+            Vec3::new(2.0, 4.0, 3.0),
+            Vec3::ZERO,
+            None,
+        ),
+        light(
+            Point { intensity_cd: 1.5 },
+            Vec3::new(1.0, 0.2, 0.1),
+            Vec3::new(-1.8, 1.2, 0.6),
+            Vec3::ZERO,
+            None,
+        ),
+        light(
+            Point { intensity_cd: 4.0 },
+            Vec3::new(0.1, 0.3, 1.0),
+            Vec3::new(1.9, 0.9, 0.4),
+            Vec3::ZERO,
+            Some(1.7),
+        ),
+        light(
+            spot(6.0, 0.2, 0.45),
+            Vec3::new(0.2, 1.0, 0.3),
+            Vec3::new(0.0, 3.0, 1.5),
+            Vec3::new(0.2, 0.0, 0.0),
+            None,
+        ),
+        light(
+            spot(9.0, 0.0, 0.6),
+            Vec3::new(1.0, 1.0, 0.2),
+            Vec3::new(-3.0, 2.0, -1.0),
+            Vec3::new(-1.5, 0.0, -1.8),
+            Some(3.5),
+        ),
+        light(
+            spot(2.0, 0.3, FRAC_PI_2),
+            Vec3::ONE,
+            Vec3::new(3.0, 1.5, -2.0),
+            Vec3::new(3.0, 0.0, -2.5),
+            None,
+        ),
         light(Point { intensity_cd: 5.0 }, Vec3::ONE, Vec3::new(0.0, -3.0, 0.0), Vec3::ZERO, None),
     ];
     Builder::new("lights", cameras(Vec3::new(0.0, 2.4, 6.0), Vec3::new(0.0, 0.6, 0.0)), lights)
@@ -143,7 +193,13 @@ pub fn materials() -> Scene {
     let toward = Vec3::new(0.4, 0.8, 1.0);
     let lights = vec![
         light(Directional { illuminance_lx: 1.0 }, Vec3::ONE, toward, Vec3::ZERO, None),
-        light(Point { intensity_cd: 12.0 }, Vec3::new(1.0, 0.8, 0.6), Vec3::new(-2.0, 3.0, 5.0), Vec3::ZERO, None),
+        light(
+            Point { intensity_cd: 12.0 },
+            Vec3::new(1.0, 0.8, 0.6),
+            Vec3::new(-2.0, 3.0, 5.0),
+            Vec3::ZERO,
+            None,
+        ),
     ];
     let mut builder = Builder::new("materials", cameras(Vec3::new(0.0, 0.0, 7.0), Vec3::ZERO), lights);
     for row in 0..4 {
@@ -154,11 +210,11 @@ pub fn materials() -> Scene {
                 EulerRot::XYZ,
                 FRAC_PI_2 - 0.03 * (row as f32 + 1.0),
                 0.0,
-                // Never 0: the code of a normal's component of 0 is a tie, 127.5.
-                0.02 * (column as f32 - 3.3),
+                0.02 * (column as f32 - 3.0),
             );
             let placement = Mat4::from_scale_rotation_translation(Vec3::splat(0.5), tilt, at);
-            builder = builder.add(floor(), material(Vec3::new(0.9, 0.5, 0.3), metallic, roughness), placement);
+            builder =
+                builder.add(floor(), material(Vec3::new(0.9, 0.5, 0.3), metallic, roughness), placement);
             let sphere_at = at + Vec3::new(0.0, 0.0, 0.3);
             let placement = Mat4::from_translation(sphere_at) * Mat4::from_scale(Vec3::splat(0.35));
             builder =
@@ -173,7 +229,13 @@ pub fn placements() -> Scene {
     use LightKind::{Directional, Point};
     let lights = vec![
         light(Directional { illuminance_lx: 1.5 }, Vec3::ONE, Vec3::new(-3.0, 4.0, 2.0), Vec3::ZERO, None),
-        light(Point { intensity_cd: 3.0 }, Vec3::new(0.6, 0.7, 1.0), Vec3::new(2.0, 2.0, 2.5), Vec3::ZERO, None),
+        light(
+            Point { intensity_cd: 3.0 },
+            Vec3::new(0.6, 0.7, 1.0),
+            Vec3::new(2.0, 2.0, 2.5),
+            Vec3::ZERO,
+            None,
+        ),
     ];
     let mut colored = sphere();
     colored.colors = colored.positions.iter().map(|p| (*p * 0.5 + 0.5).extend(1.0)).collect();
@@ -183,10 +245,18 @@ pub fn placements() -> Scene {
     Builder::new("placements", cameras(Vec3::new(0.0, 2.0, 6.0), Vec3::new(0.0, 0.7, 0.0)), lights)
         .add(floor(), grey(), big_floor())
         .add(sphere(), grey(), place(Vec3::new(-0.6, 0.6, 0.6), Vec3::new(-2.2, 0.7, 0.0)))
-        .add(sphere(), material(Vec3::new(0.9, 0.6, 0.3), 1.0, 0.4), place(Vec3::new(0.9, 0.3, 0.5), Vec3::new(-0.6, 0.8, 0.0)))
+        .add(
+            sphere(),
+            material(Vec3::new(0.9, 0.6, 0.3), 1.0, 0.4),
+            place(Vec3::new(0.9, 0.3, 0.5), Vec3::new(-0.6, 0.8, 0.0)),
+        )
         .add(colored.clone(), grey(), place(Vec3::new(0.3, -0.8, 0.5), Vec3::new(0.8, 0.9, 0.2)))
         .add(colored, material(Vec3::ONE, 0.3, 0.6), place(Vec3::splat(-0.5), Vec3::new(2.1, 0.7, 0.3)))
-        .add(sphere(), grey(), Mat4::from_translation(Vec3::new(0.0, 1.9, -1.5)) * Mat4::from_scale(Vec3::new(1.5, 0.6, 0.0)))
+        .add(
+            sphere(),
+            grey(),
+            Mat4::from_translation(Vec3::new(0.0, 1.9, -1.5)) * Mat4::from_scale(Vec3::new(1.5, 0.6, 0.0)),
+        )
         .0
 }
 
@@ -194,8 +264,20 @@ pub fn placements() -> Scene {
 pub fn surfaces() -> Scene {
     use LightKind::{Directional, Point};
     let lights = vec![
-        light(Directional { illuminance_lx: 1.0 }, Vec3::new(1.0, 0.95, 0.9), Vec3::new(1.0, 3.0, 2.0), Vec3::ZERO, None),
-        light(Point { intensity_cd: 2.0 }, Vec3::new(0.5, 0.6, 1.0), Vec3::new(-1.0, 1.5, 1.5), Vec3::ZERO, None),
+        light(
+            Directional { illuminance_lx: 1.0 },
+            Vec3::new(1.0, 0.95, 0.9),
+            Vec3::new(1.0, 3.0, 2.0),
+            Vec3::ZERO,
+            None,
+        ),
+        light(
+            Point { intensity_cd: 2.0 },
+            Vec3::new(0.5, 0.6, 1.0),
+            Vec3::new(-1.0, 1.5, 1.5),
+            Vec3::ZERO,
+            None,
+        ),
     ];
     let mut masked = floor();
     masked.colors = masked.positions.iter().map(|p| Vec4::new(1.0, 0.8, 0.6, p.x * 0.5 + 0.5)).collect();
@@ -206,16 +288,17 @@ pub fn surfaces() -> Scene {
     let standing = |at: Vec3, turn: f32| {
         Mat4::from_translation(at) * Mat4::from_rotation_y(turn) * wall(Vec3::ZERO, 0.6)
     };
-    let mut scene = Builder::new("surfaces", cameras(Vec3::new(0.0, 2.0, 6.0), Vec3::new(0.0, 0.7, 0.0)), lights)
-        .add(floor(), material(Vec3::splat(0.5), 0.0, 0.8), big_floor())
-        .add(sphere(), glow, on_floor(-2.4, 0.0, 0.6))
-        .add(sphere(), unlit, on_floor(-1.0, 0.5, 0.4))
-        .add(floor(), sheet.clone(), standing(Vec3::new(0.1, 0.7, 0.0), 0.5))
-        .add(floor(), sheet, standing(Vec3::new(1.3, 0.7, 0.0), PI + 0.4))
-        .add(masked.clone(), mask.clone(), standing(Vec3::new(2.6, 0.7, 0.2), 0.3))
-        .add(masked, mask, standing(Vec3::new(1.9, 0.7, -1.5), PI))
-        .add(sphere(), material(Vec3::new(1.0, 0.7, 0.3), 1.0, 0.3), on_floor(-0.6, -1.5, 0.9))
-        .0;
+    let mut scene =
+        Builder::new("surfaces", cameras(Vec3::new(0.0, 2.0, 6.0), Vec3::new(0.0, 0.7, 0.0)), lights)
+            .add(floor(), material(Vec3::splat(0.5), 0.0, 0.8), big_floor())
+            .add(sphere(), glow, on_floor(-2.4, 0.0, 0.6))
+            .add(sphere(), unlit, on_floor(-1.0, 0.5, 0.4))
+            .add(floor(), sheet.clone(), standing(Vec3::new(0.1, 0.7, 0.0), 0.5))
+            .add(floor(), sheet, standing(Vec3::new(1.3, 0.7, 0.0), PI + 0.4))
+            .add(masked.clone(), mask.clone(), standing(Vec3::new(2.6, 0.7, 0.2), 0.3))
+            .add(masked, mask, standing(Vec3::new(1.9, 0.7, -1.5), PI))
+            .add(sphere(), material(Vec3::new(1.0, 0.7, 0.3), 1.0, 0.3), on_floor(-0.6, -1.5, 0.9))
+            .0;
     scene.ambient_nt = Vec3::new(0.05, 0.07, 0.1);
     scene
 }
@@ -224,7 +307,13 @@ pub fn surfaces() -> Scene {
 pub fn grazing() -> Scene {
     use LightKind::{Directional, Point};
     let lights = vec![
-        light(Directional { illuminance_lx: 3.0 }, Vec3::new(1.0, 0.8, 0.6), Vec3::new(0.5, 0.4, -4.0), Vec3::ZERO, None),
+        light(
+            Directional { illuminance_lx: 3.0 },
+            Vec3::new(1.0, 0.8, 0.6),
+            Vec3::new(0.5, 0.4, -4.0),
+            Vec3::ZERO,
+            None,
+        ),
         light(Point { intensity_cd: 1.0 }, Vec3::ONE, Vec3::new(-1.0, 0.15, -1.0), Vec3::ZERO, None),
     ];
     Builder::new("grazing", cameras(Vec3::new(0.0, 0.25, 5.0), Vec3::new(0.0, 0.2, 0.0)), lights)
@@ -240,7 +329,8 @@ pub fn orthographic_along_light() -> Scene {
     let projection = Projection::Orthographic { xmag_m: 2.0, ymag_m: 2.0, znear_m: 0.5, zfar_m: 20.0 };
     // Axes of the world, so that viewer and light are opposite to the last bit.
     let look = |name: &str, turn: f32| {
-        let axes = if turn == 0.0 { Mat4::IDENTITY } else { Mat4::from_diagonal(Vec4::new(-1.0, 1.0, -1.0, 1.0)) };
+        let axes =
+            if turn == 0.0 { Mat4::IDENTITY } else { Mat4::from_diagonal(Vec4::new(-1.0, 1.0, -1.0, 1.0)) };
         let eye = axes.transform_point3(Vec3::Z * 6.0);
         Camera { name: name.into(), world_from_view: Mat4::from_translation(eye) * axes, projection }
     };
@@ -248,8 +338,16 @@ pub fn orthographic_along_light() -> Scene {
     sun.direction_world = Vec3::NEG_Z;
     let both = |m: Material| Material { double_sided: true, ..m };
     Builder::new("along light", vec![look("from the light", 0.0), look("towards the light", 1.0)], vec![sun])
-        .add(sphere(), material(Vec3::new(0.9, 0.5, 0.2), 0.0, 0.3), Mat4::from_translation(Vec3::new(-1.5, 0.0, 0.0)))
-        .add(sphere(), material(Vec3::splat(0.8), 1.0, 0.6), Mat4::from_translation(Vec3::new(1.5, 0.8, 0.0)) * Mat4::from_scale(Vec3::splat(0.8)))
+        .add(
+            sphere(),
+            material(Vec3::new(0.9, 0.5, 0.2), 0.0, 0.3),
+            Mat4::from_translation(Vec3::new(-1.5, 0.0, 0.0)),
+        )
+        .add(
+            sphere(),
+            material(Vec3::splat(0.8), 1.0, 0.6),
+            Mat4::from_translation(Vec3::new(1.5, 0.8, 0.0)) * Mat4::from_scale(Vec3::splat(0.8)),
+        )
         .add(floor(), both(material(Vec3::splat(0.5), 0.0, 0.0)), wall(Vec3::new(1.5, -1.0, 0.0), 0.6))
         .0
 }

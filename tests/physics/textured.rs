@@ -21,12 +21,7 @@ fn image(name: &str, seed: u32, channel: impl Fn(u32, f32) -> f32) -> Image {
         let (x, y) = (i % SIZE, i / SIZE);
         [0, 1, 2, 3].map(|k| (channel(k, wave(x, y, k)) * 255.0).round() as u8)
     };
-    Image {
-        name: name.into(),
-        width: SIZE,
-        height: SIZE,
-        rgba8: (0..SIZE * SIZE).flat_map(texel).collect(),
-    }
+    Image { name: name.into(), width: SIZE, height: SIZE, rgba8: (0..SIZE * SIZE).flat_map(texel).collect() }
 }
 
 /// The scene of all that shines by itself, with all five textures on everything that is lit.
@@ -68,14 +63,29 @@ fn textured() -> Scene {
 }
 
 fn with_texcoords(mesh: Mesh) -> Mesh {
-    let first: Vec<_> = mesh.positions.iter().map(|p| Vec2::new(p.x + 0.3 * p.y, p.z - 0.2 * p.y) * 2.0).collect();
+    let first: Vec<_> =
+        mesh.positions.iter().map(|p| Vec2::new(p.x + 0.3 * p.y, p.z - 0.2 * p.y) * 2.0).collect();
     let second = first.iter().map(|uv| uv.perp() * 0.7 + 0.1).collect();
     let tangents = mesh.normals.iter().map(|n| n.any_orthonormal_vector().extend(-1.0)).collect();
     Mesh { texcoords: [first, second], tangents, ..mesh }
 }
 
+/// Leaves the factors only.
+pub fn without_textures(scene: &mut Scene) {
+    for material in &mut scene.materials {
+        *material = Material {
+            base_color_texture: None,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            occlusion_texture: None,
+            emissive_texture: None,
+            ..material.clone()
+        };
+    }
+}
+
 /// The GPU's picture against what the reference makes of the GPU's G-buffer.
-fn compare(gpu: &Gpu, scene: &Scene, reference: &Scene) -> Vec<(String, Errors)> {
+pub fn compare(gpu: &Gpu, scene: &Scene, reference: &Scene) -> Vec<(String, Errors)> {
     let compare = |camera| {
         let (rendered, gbuffer) = gpu.render_with_gbuffer(scene, camera, Ask::EXACT);
         let mut frame = shade_gbuffer(reference, camera, &rendered.settings, &gbuffer);

@@ -1,0 +1,258 @@
+//! Typed data out of accessors, every byte range checked before it is read.
+
+use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::{self, Index};
+
+use super::document::{Document, MAX_VERTICES};
+use crate::Result;
+
+/// An accessor without a buffer view is all zeros and costs no bytes in the file; this many elements at most
+/// are believed.
+const MAX_UNBACKED_COUNT: u64 = 1 << 22;
+
+/// What an attribute's accessor may look like (glTF 2.0 section 3.7.2.1).
+#[derive(Clone, Copy)]
+pub struct Format {
+    types: &'static [Type],
+    components: Components,
+    /// For messages.
+    text: &'static str,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Components {
+    Float,
+    FloatOrNormalized,
+    Unsigned8Or16,
+    Unsigned,
+}
+
+impl Format {
+    pub const VEC3: Self = Self { types: &[Type::Vec3], components: Components::Float, text: "a float VEC3" };
+    pub const VEC4: Self = Self { types: &[Type::Vec4], components: Components::Float, text: "a float VEC4" };
+    pub const MAT4: Self = Self { types: &[Type::Mat4], components: Components::Float, text: "a float MAT4" };
+    pub const TEXCOORD: Self = Self {
+        types: &[Type::Vec2],
+        components: Components::FloatOrNormalized,
+        text: "a VEC2 of floats or normalised unsigned bytes or shorts",
+    };
+    pub const COLOR: Self = Self {
+        types: &[Type::Vec3, Type::Vec4],
+        components: Components::FloatOrNormalized,
+        text: "a VEC3 or VEC4 of floats or normalised unsigned bytes or shorts",
+    };
+    pub const WEIGHTS: Self = Self {
+        types: &[Type::Vec4],
+        components: Components::FloatOrNormalized,
+        text: "a VEC4 of floats or normalised unsigned bytes or shorts",
+    };
+    pub const JOINTS: Self = Self {
+        types: &[Type::Vec4],
+        components: Components::Unsigned8Or16,
+        text: "a VEC4 of unsigned bytes or shorts",
+    };
+    pub const INDICES: Self = Self {
+        types: &[Type::Scalar],
+        components: Components::Unsigned,
+        text: "a SCALAR of unsigned bytes, shorts or ints",
+    };
+
+    fn accepts(&self, type_: Type, component: ComponentType, normalized: bool) -> bool {
+        use ComponentType as C;
+        self.types.contains(&type_)
+            && match self.components {
+                Components::Float => component == C::F32,
+                Components::FloatOrNormalized => {
+                    component == C::F32 || normalized && matches!(component, C::U8 | C::U16)
+                }
+                Components::Unsigned8Or16 => !normalized && matches!(component, C::U8 | C::U16),
+                Components::Unsigned => !normalized && matches!(component, C::U8 | C::U16 | C::U32),
+            }
+    }
+}
+
+/// Elements of equal size, `stride` bytes apart. All of them lie within `bytes`.
+struct Strided<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    size: usize,
+}
+
+impl Strided<'_> {
+    fn element(&self, i: usize) -> &[u8] {
+        &self.bytes[i * self.stride..i * self.stride + self.size]
+    }
+}
+
+/// An accessor whose byte ranges have been checked.
+pub struct Reader<'a> {
+    pub count: usize,
+    pub width: usize,
+    component: ComponentType,
+    base: Option<Strided<'a>>,
+    /// Which elements are replaced, and by what.
+    sparse: Option<(Vec<u32>, Strided<'a>)>,
+    /// For messages: the attribute that uses the accessor, and the accessor.
+    element: String,
+    name: String,
+}
+
+impl<'a> Reader<'a> {
+    /// Checks the accessor that `element` refers to.
+    pub fn new(
+        doc: &'a Document,
+        index: Index<json::Accessor>,
+        element: impl Into<String>,
+        format: Format,
+    ) -> Result<Self> {
+        let element = element.into();
+        let accessor = doc.get(&doc.root.accessors, "accessors", index, element.as_str())?;
+        let name = format!("accessors[{}]", index.value());
+        let component = doc.valid(accessor.component_type, format!("{name}.componentType"))?.0;
+        let type_ = doc.valid(accessor.type_, format!("{name}.type"))?;
+        if !format.accepts(type_, component, accessor.normalized) {
+            let normalized = if accessor.normalized { "normalised " } else { "" };
+            let problem = format!("{name} is {normalized}{component:?} {type_:?}, not {}", format.text);
+            return Err(doc.bad(
+                element,
+                problem,
+                "export the file again with a format that glTF 2.0 allows",
+            ));
+        }
+        let count = accessor.count.0;
+        let limit = if accessor.buffer_view.is_some() { MAX_VERTICES as u64 * 4 } else { MAX_UNBACKED_COUNT };
+        if count == 0 || count > limit {
+            let problem = format!("is {count}, outside 1 to {limit}");
+            return Err(doc.bad(format!("{name}.count"), problem, "export the file again"));
+        }
+        let count = count as usize;
+        let width = type_.multiplicity();
+        let size = width * component.size();
+        let base = match accessor.buffer_view {
+            Some(view) => {
+                let offset = accessor.byte_offset.unwrap_or_default().0;
+                Some(strided(doc, view, offset, count, size, &name)?)
+            }
+            None => None,
+        };
+        let sparse = match &accessor.sparse {
+            Some(sparse) => Some(read_sparse(doc, sparse, count, size, &name)?),
+            None => None,
+        };
+        Ok(Self { count, width, component, base, sparse, element, name })
+    }
+
+    /// The elements as floats (normalised integers are scaled to [0, 1]); all are finite.
+    pub fn floats<const N: usize>(&self, doc: &Document) -> Result<Vec<[f32; N]>> {
+        let component = self.component;
+        let decode = |bytes: &[u8]| {
+            let mut chunks = bytes.chunks_exact(component.size()).map(|c| float(component, c));
+            std::array::from_fn(|_| chunks.next().unwrap_or(0.0))
+        };
+        let out: Vec<[f32; N]> = self.collect([0.0; N], decode);
+        match out.iter().position(|v| v.iter().any(|x| !x.is_finite())) {
+            None => Ok(out),
+            Some(i) => Err(doc.bad(
+                &self.element,
+                format!("element {i} of {} is {:?}, which is not finite", self.name, out[i]),
+                "repair the data in the program that made it and export again",
+            )),
+        }
+    }
+
+    /// The elements as unsigned integers.
+    pub fn integers<const N: usize>(&self) -> Vec<[u32; N]> {
+        let component = self.component;
+        self.collect([0; N], |bytes| {
+            let mut chunks = bytes.chunks_exact(component.size()).map(unsigned);
+            std::array::from_fn(|_| chunks.next().unwrap_or(0))
+        })
+    }
+
+    fn collect<T: Copy>(&self, zero: T, decode: impl Fn(&[u8]) -> T) -> Vec<T> {
+        let mut out = match &self.base {
+            Some(base) => (0..self.count).map(|i| decode(base.element(i))).collect(),
+            None => vec![zero; self.count],
+        };
+        if let Some((indices, values)) = &self.sparse {
+            for (i, &target) in indices.iter().enumerate() {
+                out[target as usize] = decode(values.element(i));
+            }
+        }
+        out
+    }
+}
+
+fn read_sparse<'a>(
+    doc: &'a Document,
+    sparse: &json::accessor::sparse::Sparse,
+    count: usize,
+    size: usize,
+    accessor: &str,
+) -> Result<(Vec<u32>, Strided<'a>)> {
+    let name = format!("{accessor}.sparse");
+    let replaced = sparse.count.0;
+    if replaced > count as u64 {
+        let problem = format!("is {replaced}, more than the accessor's {count} elements");
+        return Err(doc.bad(format!("{name}.count"), problem, "export the file again"));
+    }
+    let replaced = replaced as usize;
+    let component = doc.valid(sparse.indices.component_type, format!("{name}.indices.componentType"))?.0;
+    let indices_name = format!("{name}.indices");
+    let (view, offset) = (sparse.indices.buffer_view, sparse.indices.byte_offset.0);
+    let bytes = strided(doc, view, offset, replaced, component.size(), &indices_name)?;
+    let indices: Vec<u32> = (0..replaced).map(|i| unsigned(bytes.element(i))).collect();
+    if let Some(beyond) = indices.iter().find(|&&i| i as usize >= count) {
+        let problem = format!("replaces element {beyond} of {count}");
+        return Err(doc.bad(indices_name, problem, "export the file again"));
+    }
+    let (view, offset) = (sparse.values.buffer_view, sparse.values.byte_offset.0);
+    let values = strided(doc, view, offset, replaced, size, &format!("{name}.values"))?;
+    Ok((indices, values))
+}
+
+fn strided<'a>(
+    doc: &'a Document,
+    view: Index<json::buffer::View>,
+    offset: u64,
+    count: usize,
+    size: usize,
+    name: &str,
+) -> Result<Strided<'a>> {
+    let bytes = doc.view(view, &format!("{name}.bufferView"))?;
+    let stride = doc.root.buffer_views[view.value()].byte_stride.map_or(size, |s| s.0);
+    if stride < size || stride > 252.max(size) {
+        let problem = format!("is {stride}, but {name} has elements of {size} bytes");
+        let element = format!("bufferViews[{}].byteStride", view.value());
+        return Err(doc.bad(element, problem, "correct the stride (at most 252) or export the file again"));
+    }
+    let needed = match count {
+        0 => 0,
+        _ => (stride as u64) * (count as u64 - 1) + size as u64,
+    };
+    let end = offset.checked_add(needed).filter(|&end| end <= bytes.len() as u64);
+    let Some(end) = end else {
+        let problem = format!(
+            "needs {needed} bytes from byte {offset} on, but bufferViews[{}] has {}",
+            view.value(),
+            bytes.len()
+        );
+        return Err(doc.bad(name, problem, "correct count and byteOffset or export the file again"));
+    };
+    Ok(Strided { bytes: &bytes[offset as usize..end as usize], stride, size })
+}
+
+/// glTF 2.0 section 3.6.2.2; no attribute that is read may be a signed integer.
+fn float(component: ComponentType, bytes: &[u8]) -> f32 {
+    match (component, bytes) {
+        (ComponentType::F32, &[a, b, c, d]) => f32::from_le_bytes([a, b, c, d]),
+        (ComponentType::U8, &[a]) => f32::from(a) / 255.0,
+        (ComponentType::U16, &[a, b]) => f32::from(u16::from_le_bytes([a, b])) / 65535.0,
+        _ => 0.0,
+    }
+}
+
+/// Little-endian, one to four bytes.
+fn unsigned(bytes: &[u8]) -> u32 {
+    bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte))
+}

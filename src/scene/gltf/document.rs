@@ -1,0 +1,297 @@
+//! A parsed file: its JSON, its buffers, and checked access to both.
+
+use std::borrow::Cow;
+use std::cell::OnceCell;
+use std::path::Path;
+
+use gltf::json::extensions::texture::TextureTransform;
+use gltf::json::validation::Checked;
+use gltf::json::{self, Index, Root};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use super::source;
+use crate::{Error, Result};
+
+const SUPPORTED_EXTENSIONS: [&str; 4] = [
+    "KHR_texture_transform",
+    "KHR_materials_unlit",
+    "KHR_materials_emissive_strength",
+    "KHR_lights_punctual",
+];
+
+/// Extensions that change what is seen, but without which a file still is useful.
+const LOOK_EXTENSIONS: [&str; 17] = [
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
+    "KHR_texture_basisu",
+    "EXT_lights_image_based",
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_avif",
+    "EXT_texture_webp",
+    "MSFT_texture_dds",
+];
+
+/// More vertices, indices, instances or texels than any sensible scene has. Small files can ask for far more
+/// by using the same data again and again.
+pub const MAX_VERTICES: usize = 1 << 26;
+/// See [`MAX_VERTICES`].
+pub const MAX_INDICES: usize = 1 << 28;
+/// See [`MAX_VERTICES`].
+pub const MAX_INSTANCES: usize = 1 << 22;
+/// See [`MAX_VERTICES`].
+pub const MAX_TEXELS: u64 = 1 << 30;
+
+/// A file whose version and required extensions are known to be supported.
+pub struct Document<'a> {
+    pub path: &'a Path,
+    pub root: Root,
+    /// By material.
+    pub transforms: Vec<Transforms>,
+    bin: Option<Vec<u8>>,
+    /// By index; read when first used.
+    buffers: Vec<OnceCell<Vec<u8>>>,
+}
+
+/// What decides whether a file can be read at all.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Head {
+    asset: Option<Asset>,
+    #[serde(default)]
+    extensions_required: Vec<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Asset {
+    version: Option<String>,
+    min_version: Option<String>,
+}
+
+/// KHR_texture_transform where the JSON library does not know it.
+#[derive(Deserialize)]
+struct TransformRoot {
+    #[serde(default)]
+    materials: Vec<Transforms>,
+}
+
+/// The transforms of one material's normal and occlusion textures.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Transforms {
+    normal_texture: Option<TextureInfo>,
+    occlusion_texture: Option<TextureInfo>,
+}
+
+#[derive(Deserialize)]
+struct TextureInfo {
+    extensions: Option<json::extensions::texture::Info>,
+}
+
+impl Transforms {
+    pub fn normal(&self) -> Option<&TextureTransform> {
+        self.normal_texture.as_ref()?.extensions.as_ref()?.texture_transform.as_ref()
+    }
+
+    pub fn occlusion(&self) -> Option<&TextureTransform> {
+        self.occlusion_texture.as_ref()?.extensions.as_ref()?.texture_transform.as_ref()
+    }
+}
+
+impl<'a> Document<'a> {
+    pub fn read(path: &'a Path) -> Result<Self> {
+        let source::Container { json, bin } = source::read_container(path)?;
+        check_head(path, &json)?;
+        let root: Root = serde_json::from_slice(&json).map_err(|e| locate(path, &json, &e))?;
+        let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
+        let TransformRoot { materials: transforms } =
+            serde_json::from_slice(&json).map_err(|e| malformed(path, &e))?;
+        Ok(Self { path, root, transforms, bin, buffers })
+    }
+
+    /// An [`Error::Input`] about this file.
+    pub fn bad(
+        &self,
+        element: impl Into<String>,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Error {
+        Error::input(self.path, element, problem, remedy)
+    }
+
+    /// The item that `index` refers to; `element` is the path of the reference.
+    pub fn get<'l, T>(
+        &self,
+        list: &'l [T],
+        name: &str,
+        index: Index<T>,
+        element: impl Into<String>,
+    ) -> Result<&'l T> {
+        list.get(index.value()).ok_or_else(|| {
+            let problem = format!("refers to {name}[{}], but there are {}", index.value(), list.len());
+            self.bad(element, problem, "correct the index or export the file again")
+        })
+    }
+
+    /// `value` unless it is one that glTF does not define.
+    pub fn valid<T: Copy>(&self, value: Checked<T>, element: impl Into<String>) -> Result<T> {
+        match value {
+            Checked::Valid(value) => Ok(value),
+            Checked::Invalid => {
+                Err(self.bad(element, "has a value that glTF 2.0 does not define", "export the file again"))
+            }
+        }
+    }
+
+    /// `values` unless one of them is NaN or infinite.
+    pub fn finite<const N: usize>(&self, values: [f32; N], element: impl Into<String>) -> Result<[f32; N]> {
+        if values.iter().all(|v| v.is_finite()) {
+            return Ok(values);
+        }
+        Err(self.bad(element, format!("{values:?} is not finite"), "replace it by finite numbers"))
+    }
+
+    /// The bytes of a buffer view.
+    pub fn view(&self, index: Index<json::buffer::View>, element: &str) -> Result<&[u8]> {
+        let view = self.get(&self.root.buffer_views, "bufferViews", index, element)?;
+        let name = format!("bufferViews[{}]", index.value());
+        let bytes = self.buffer(view.buffer, &format!("{name}.buffer"))?;
+        let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
+        let end = offset.checked_add(length).filter(|&end| end <= bytes.len() as u64);
+        end.map(|end| &bytes[offset as usize..end as usize]).ok_or_else(|| {
+            self.bad(
+                name,
+                format!(
+                    "bytes {offset} to {offset} + {length} lie beyond the {} of buffers[{}]",
+                    bytes.len(),
+                    view.buffer.value()
+                ),
+                "correct byteOffset and byteLength or export the file again",
+            )
+        })
+    }
+
+    fn buffer(&self, index: Index<json::Buffer>, element: &str) -> Result<&[u8]> {
+        let buffer = self.get(&self.root.buffers, "buffers", index, element)?;
+        let cell = &self.buffers[index.value()];
+        if let Some(bytes) = cell.get() {
+            return Ok(bytes);
+        }
+        let name = format!("buffers[{}]", index.value());
+        let length = buffer.byte_length.0;
+        let bytes = match (&buffer.uri, &self.bin) {
+            (Some(uri), _) => Cow::Owned(source::read_uri(self.path, &format!("{name}.uri"), uri, length)?),
+            (None, Some(bin)) if index.value() == 0 => Cow::Borrowed(bin.as_slice()),
+            (None, _) => {
+                let remedy = "give the buffer a uri, or store the file as GLB with a BIN chunk";
+                return Err(self.bad(name, "has neither a uri nor a GLB BIN chunk", remedy));
+            }
+        };
+        if (bytes.len() as u64) < length {
+            let problem = format!("byteLength is {length}, but only {} bytes are there", bytes.len());
+            return Err(self.bad(name, problem, "the data is truncated: export or copy it again"));
+        }
+        let mut bytes = bytes.into_owned();
+        bytes.truncate(length as usize);
+        Ok(cell.get_or_init(|| bytes))
+    }
+
+    /// A warning for each extension that is left out although it changes the look.
+    pub fn extension_warnings(&self) -> Vec<String> {
+        let used = self.root.extensions_used.iter();
+        used.filter(|name| LOOK_EXTENSIONS.contains(&name.as_str()))
+            .map(|name| format!("extensionsUsed: {name} is not supported and was left out"))
+            .collect()
+    }
+}
+
+fn check_head(path: &Path, json: &[u8]) -> Result<()> {
+    let head: Head = serde_json::from_slice(json).map_err(|e| malformed(path, &e))?;
+    let asset = head.asset.unwrap_or(Asset { version: None, min_version: None });
+    let Some(version) = asset.version else {
+        return Err(Error::input(path, "asset.version", "is missing", "use a glTF 2.0 file"));
+    };
+    // A later 2.x without a minVersion promises that a reader for 2.0 understands it.
+    let supported = match &asset.min_version {
+        Some(needed) => needed == "2.0",
+        None => version.split('.').next() == Some("2"),
+    };
+    if !supported {
+        let needed = asset.min_version.unwrap_or(version);
+        let problem = format!("is glTF {needed}, but only 2.0 can be read");
+        return Err(Error::input(path, "asset.version", problem, "convert the file to glTF 2.0"));
+    }
+    for (i, name) in head.extensions_required.iter().enumerate() {
+        if SUPPORTED_EXTENSIONS.contains(&name.as_str()) {
+            continue;
+        }
+        let remedy = match name.as_str() {
+            "KHR_draco_mesh_compression" => {
+                "export without Draco compression, or decompress, e.g. with `gltf-transform copy in out`"
+            }
+            "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+                "export without meshopt compression, or decompress, e.g. with `gltf-transform copy in out`"
+            }
+            "KHR_texture_basisu" => "store the textures as PNG or JPEG instead of KTX2",
+            "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => {
+                "store the textures as PNG or JPEG"
+            }
+            "KHR_mesh_quantization" => {
+                "export without quantisation, or undo it, e.g. with `gltf-transform dequantize in out`"
+            }
+            _ => "export the scene without this extension, or make it optional",
+        };
+        let problem = format!("the required extension {name} is not supported");
+        return Err(Error::input(path, format!("extensionsRequired[{i}]"), problem, remedy));
+    }
+    Ok(())
+}
+
+fn malformed(path: &Path, error: &serde_json::Error) -> Error {
+    let element = format!("JSON line {} column {}", error.line(), error.column());
+    let problem = format!("cannot be parsed as glTF: {error}");
+    Error::input(path, element, problem, "correct the JSON or export the file again")
+}
+
+/// Why the JSON is not a glTF document, with the top-level list item to blame if there is one.
+fn locate(path: &Path, json: &[u8], error: &serde_json::Error) -> Error {
+    fn first_bad<T: DeserializeOwned>(root: &Value, list: &str) -> Option<(String, serde_json::Error)> {
+        let items = root.get(list)?.as_array()?;
+        items.iter().enumerate().find_map(|(i, item)| {
+            let error = T::deserialize(item).err()?;
+            Some((format!("{list}[{i}]"), error))
+        })
+    }
+    let Ok(root) = serde_json::from_slice::<Value>(json) else { return malformed(path, error) };
+    let found = first_bad::<json::Accessor>(&root, "accessors")
+        .or_else(|| first_bad::<json::Animation>(&root, "animations"))
+        .or_else(|| first_bad::<json::Buffer>(&root, "buffers"))
+        .or_else(|| first_bad::<json::buffer::View>(&root, "bufferViews"))
+        .or_else(|| first_bad::<json::Camera>(&root, "cameras"))
+        .or_else(|| first_bad::<json::Image>(&root, "images"))
+        .or_else(|| first_bad::<json::Material>(&root, "materials"))
+        .or_else(|| first_bad::<json::Mesh>(&root, "meshes"))
+        .or_else(|| first_bad::<json::Node>(&root, "nodes"))
+        .or_else(|| first_bad::<json::texture::Sampler>(&root, "samplers"))
+        .or_else(|| first_bad::<json::Scene>(&root, "scenes"))
+        .or_else(|| first_bad::<json::Skin>(&root, "skins"))
+        .or_else(|| first_bad::<json::Texture>(&root, "textures"));
+    match found {
+        Some((element, error)) => {
+            let problem = format!("cannot be parsed as glTF: {error}");
+            Error::input(path, element, problem, "correct the JSON or export the file again")
+        }
+        None => malformed(path, error),
+    }
+}

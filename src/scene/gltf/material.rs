@@ -1,0 +1,255 @@
+//! Materials, textures and samplers; only those that something drawn uses.
+
+use std::collections::HashMap;
+
+use glam::{Vec2, Vec3, Vec4};
+use gltf::json::extensions::texture::TextureTransform;
+use gltf::json::texture::{MagFilter, MinFilter, WrappingMode};
+use gltf::json::{self, Index};
+
+use super::document::Document;
+use crate::Result;
+use crate::scene::{AlphaMode, Material, Sampler, Texture, TextureRef, Wrap};
+
+/// What the JSON says about a material's use of a texture.
+struct Slot<'a> {
+    texture: Index<json::Texture>,
+    texcoord: u32,
+    transform: Option<&'a TextureTransform>,
+    /// For messages.
+    element: String,
+}
+
+/// The materials and textures that have been used so far.
+#[derive(Default)]
+pub struct Materials {
+    pub materials: Vec<Material>,
+    pub textures: Vec<Texture>,
+    /// For each image of the scene, the glTF image it comes from.
+    pub images: Vec<usize>,
+    pub warnings: Vec<String>,
+    by_index: HashMap<Option<usize>, usize>,
+}
+
+impl Materials {
+    /// The scene's material for a glTF material; `None` is the default material.
+    pub fn use_material(
+        &mut self,
+        doc: &Document,
+        index: Option<Index<json::Material>>,
+        element: &str,
+    ) -> Result<usize> {
+        let key = index.map(|i| i.value());
+        if let Some(&known) = self.by_index.get(&key) {
+            return Ok(known);
+        }
+        let material = match index {
+            Some(index) => {
+                let found = doc.get(&doc.root.materials, "materials", index, element)?;
+                self.read(doc, found, index.value())?
+            }
+            None => Material::default(),
+        };
+        self.materials.push(material);
+        self.by_index.insert(key, self.materials.len() - 1);
+        Ok(self.materials.len() - 1)
+    }
+
+    fn read(&mut self, doc: &Document, material: &json::Material, index: usize) -> Result<Material> {
+        let at = |field: &str| format!("materials[{index}].{field}");
+        let pbr = &material.pbr_metallic_roughness;
+        let extensions = material.extensions.as_ref();
+        let factor = doc.finite(pbr.base_color_factor.0, at("pbrMetallicRoughness.baseColorFactor"))?;
+        let factor = self.within_unit(factor, at("pbrMetallicRoughness.baseColorFactor"));
+        let base_color_slot =
+            pbr.base_color_texture.as_ref().map(|t| slot(t, at("pbrMetallicRoughness.baseColorTexture")));
+        let shared = Material {
+            name: material.name.clone().unwrap_or_else(|| format!("material {index}")),
+            base_color_factor: Vec4::from_array(factor),
+            base_color_texture: self.use_texture(doc, base_color_slot)?,
+            alpha_mode: self.alpha_mode(doc, material, index)?,
+            double_sided: material.double_sided,
+            unlit: extensions.is_some_and(|e| e.unlit.is_some()),
+            ..Material::default()
+        };
+        // KHR_materials_unlit: everything else is for renderers that do not know the extension.
+        if shared.unlit {
+            return Ok(shared);
+        }
+
+        let mut unit = |value: f32, field: &str| -> Result<f32> {
+            let value = doc.finite([value], at(field))?;
+            Ok(self.within_unit(value, at(field))[0])
+        };
+        let metallic_factor = unit(pbr.metallic_factor.0, "pbrMetallicRoughness.metallicFactor")?;
+        let roughness_factor = unit(pbr.roughness_factor.0, "pbrMetallicRoughness.roughnessFactor")?;
+        let occlusion_strength = match &material.occlusion_texture {
+            Some(t) => unit(t.strength.0, "occlusionTexture.strength")?,
+            None => 1.0,
+        };
+        let normal_scale = match &material.normal_texture {
+            Some(t) => doc.finite([t.scale], at("normalTexture.scale"))?[0],
+            None => 1.0,
+        };
+        let emissive_factor = self.emissive_factor(doc, material, index)?;
+
+        let transforms = doc.transforms.get(index);
+        let metallic_roughness = pbr
+            .metallic_roughness_texture
+            .as_ref()
+            .map(|t| slot(t, at("pbrMetallicRoughness.metallicRoughnessTexture")));
+        let normal = material.normal_texture.as_ref().map(|t| Slot {
+            texture: t.index,
+            texcoord: t.tex_coord,
+            transform: transforms.and_then(|t| t.normal()),
+            element: at("normalTexture"),
+        });
+        let occlusion = material.occlusion_texture.as_ref().map(|t| Slot {
+            texture: t.index,
+            texcoord: t.tex_coord,
+            transform: transforms.and_then(|t| t.occlusion()),
+            element: at("occlusionTexture"),
+        });
+        let emissive = material.emissive_texture.as_ref().map(|t| slot(t, at("emissiveTexture")));
+        let emits = emissive_factor != Vec3::ZERO;
+        Ok(Material {
+            metallic_factor,
+            roughness_factor,
+            metallic_roughness_texture: self.use_texture(doc, metallic_roughness)?,
+            normal_texture: self.use_texture(doc, normal)?,
+            normal_scale,
+            occlusion_texture: self.use_texture(doc, occlusion)?,
+            occlusion_strength,
+            emissive_factor,
+            emissive_texture: self.use_texture(doc, emissive.filter(|_| emits))?,
+            ..shared
+        })
+    }
+
+    fn emissive_factor(&mut self, doc: &Document, material: &json::Material, index: usize) -> Result<Vec3> {
+        let strength = material.extensions.as_ref().and_then(|e| e.emissive_strength.as_ref());
+        let strength = strength.map_or(1.0, |s| s.emissive_strength.0);
+        let element = format!("materials[{index}].emissiveFactor");
+        let factor = Vec3::from_array(doc.finite(material.emissive_factor.0, &element)?) * strength;
+        doc.finite(factor.to_array(), format!("{element} times emissiveStrength"))?;
+        if factor.min_element() < 0.0 {
+            self.warnings.push(format!("{element}: {factor} is negative and was raised to 0"));
+        }
+        Ok(factor.max(Vec3::ZERO))
+    }
+
+    fn alpha_mode(&mut self, doc: &Document, material: &json::Material, index: usize) -> Result<AlphaMode> {
+        use json::material::AlphaMode as A;
+        let element = format!("materials[{index}].alphaMode");
+        Ok(match doc.valid(material.alpha_mode, &element)? {
+            A::Opaque => AlphaMode::Opaque,
+            A::Mask => {
+                let cutoff = material.alpha_cutoff.map_or(0.5, |c| c.0);
+                let [cutoff] = doc.finite([cutoff], format!("materials[{index}].alphaCutoff"))?;
+                AlphaMode::Mask { cutoff }
+            }
+            A::Blend => {
+                self.warnings
+                    .push(format!("{element}: BLEND is not supported; drawn as MASK with a cutoff of 0.5"));
+                AlphaMode::Mask { cutoff: 0.5 }
+            }
+        })
+    }
+
+    fn within_unit<const N: usize>(&mut self, values: [f32; N], element: String) -> [f32; N] {
+        let clamped = values.map(|v| v.clamp(0.0, 1.0));
+        if clamped != values {
+            self.warnings.push(format!("{element}: {values:?} was clamped to [0, 1]"));
+        }
+        clamped
+    }
+
+    fn use_texture(&mut self, doc: &Document, slot: Option<Slot>) -> Result<Option<TextureRef>> {
+        let Some(Slot { texture, texcoord, transform, element }) = slot else { return Ok(None) };
+        let texcoord = transform.and_then(|t| t.tex_coord).unwrap_or(texcoord) as usize;
+        if texcoord > 1 {
+            self.warnings.push(format!("{element}: TEXCOORD_{texcoord} is not supported; texture left out"));
+            return Ok(None);
+        }
+        let found = doc.get(&doc.root.textures, "textures", texture, format!("{element}.index"))?;
+        let name = format!("textures[{}]", texture.value());
+        // The JSON library's way to say that there is no source.
+        if found.source.value() == u32::MAX as usize {
+            let remedy = "give it a PNG or JPEG image as its source";
+            return Err(doc.bad(format!("{name}.source"), "is missing", remedy));
+        }
+        doc.get(&doc.root.images, "images", found.source, format!("{name}.source"))?;
+        let sampler = match found.sampler {
+            Some(index) => {
+                let json = doc.get(&doc.root.samplers, "samplers", index, format!("{name}.sampler"))?;
+                read_sampler(doc, json, index.value())?
+            }
+            None => Sampler::default(),
+        };
+        let image = position_or_push(&mut self.images, found.source.value());
+        let texture = position_or_push(&mut self.textures, Texture { image, sampler });
+        let uv_from_texcoord = match transform {
+            Some(transform) => uv_rows(doc, transform, &element)?,
+            None => TextureRef::IDENTITY,
+        };
+        Ok(Some(TextureRef { texture, texcoord, uv_from_texcoord }))
+    }
+}
+
+fn slot(info: &json::texture::Info, element: String) -> Slot<'_> {
+    let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.as_ref());
+    Slot { texture: info.index, texcoord: info.tex_coord, transform, element }
+}
+
+/// KHR_texture_transform: scale, then rotation, then offset. With v pointing down as it does in glTF, a
+/// counter-clockwise rotation takes (1, 0) to (cos, -sin).
+fn uv_rows(doc: &Document, transform: &TextureTransform, element: &str) -> Result<[Vec3; 2]> {
+    let at = |field: &str| format!("{element}.extensions.KHR_texture_transform.{field}");
+    let offset = Vec2::from_array(doc.finite(transform.offset.0, at("offset"))?);
+    let scale = Vec2::from_array(doc.finite(transform.scale.0, at("scale"))?);
+    let [rotation] = doc.finite([transform.rotation.0], at("rotation"))?;
+    let (sin, cos) = rotation.sin_cos();
+    Ok([
+        Vec3::new(cos * scale.x, sin * scale.y, offset.x),
+        Vec3::new(-sin * scale.x, cos * scale.y, offset.y),
+    ])
+}
+
+fn read_sampler(doc: &Document, sampler: &json::texture::Sampler, index: usize) -> Result<Sampler> {
+    let at = |field: &str| format!("samplers[{index}].{field}");
+    let default = Sampler::default();
+    let mag_linear = match sampler.mag_filter {
+        Some(filter) => doc.valid(filter, at("magFilter"))? == MagFilter::Linear,
+        None => default.mag_linear,
+    };
+    let (min_linear, mip_linear) = match sampler.min_filter {
+        Some(filter) => match doc.valid(filter, at("minFilter"))? {
+            MinFilter::Nearest => (false, None),
+            MinFilter::Linear => (true, None),
+            MinFilter::NearestMipmapNearest => (false, Some(false)),
+            MinFilter::LinearMipmapNearest => (true, Some(false)),
+            MinFilter::NearestMipmapLinear => (false, Some(true)),
+            MinFilter::LinearMipmapLinear => (true, Some(true)),
+        },
+        None => (default.min_linear, default.mip_linear),
+    };
+    let wrap = |mode| match mode {
+        WrappingMode::ClampToEdge => Wrap::ClampToEdge,
+        WrappingMode::MirroredRepeat => Wrap::MirroredRepeat,
+        WrappingMode::Repeat => Wrap::Repeat,
+    };
+    Ok(Sampler {
+        mag_linear,
+        min_linear,
+        mip_linear,
+        wrap_u: wrap(doc.valid(sampler.wrap_s, at("wrapS"))?),
+        wrap_v: wrap(doc.valid(sampler.wrap_t, at("wrapT"))?),
+    })
+}
+
+fn position_or_push<T: PartialEq>(list: &mut Vec<T>, item: T) -> usize {
+    list.iter().position(|known| *known == item).unwrap_or_else(|| {
+        list.push(item);
+        list.len() - 1
+    })
+}

@@ -1,0 +1,254 @@
+//! Primitives into meshes.
+
+use glam::{Vec2, Vec3, Vec4};
+use gltf::json;
+use gltf::json::mesh::{Mode, Semantic};
+use gltf::json::validation::Checked;
+
+use super::accessor::{Format, Reader};
+use super::document::{Document, MAX_INDICES, MAX_VERTICES};
+use super::pose::{self, Skin};
+use super::tangent;
+use crate::Result;
+use crate::scene::{Material, Mesh};
+
+/// How a mesh is deformed.
+pub struct Pose<'a> {
+    pub weights: Option<&'a [f32]>,
+    pub skin: Option<&'a Skin>,
+}
+
+/// What has been read so far, against what a scene may hold.
+#[derive(Default)]
+pub struct Budget {
+    vertices: usize,
+    indices: usize,
+}
+
+impl Budget {
+    fn take(&mut self, doc: &Document, element: &str, vertices: usize, indices: usize) -> Result<()> {
+        self.vertices = self.vertices.saturating_add(vertices);
+        self.indices = self.indices.saturating_add(indices);
+        if self.vertices <= MAX_VERTICES && self.indices <= MAX_INDICES {
+            return Ok(());
+        }
+        let problem =
+            format!("brings the scene to more than {MAX_VERTICES} vertices or {MAX_INDICES} indices");
+        Err(doc.bad(element, problem, "split the scene into smaller files"))
+    }
+}
+
+/// A primitive and where it is in the file.
+pub struct Primitive<'a> {
+    pub json: &'a json::mesh::Primitive,
+    pub name: String,
+    /// `meshes[i].primitives[j]`
+    pub element: String,
+}
+
+impl Primitive<'_> {
+    /// The corners of its triangles, three each; `None`, and why in `warnings`, if there are none.
+    pub fn triangles(
+        &self,
+        doc: &Document,
+        budget: &mut Budget,
+        warnings: &mut Vec<String>,
+    ) -> Result<Option<Vec<u32>>> {
+        let element = &self.element;
+        let mode = doc.valid(self.json.mode, format!("{element}.mode"))?;
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            warnings.push(format!("{element}: points and lines are not supported and were left out"));
+            return Ok(None);
+        }
+        let vertices = self.vertex_count(doc)?;
+        budget.take(doc, element, vertices, 0)?;
+        let indices = triangulate(mode, self.corners(doc, vertices, budget)?);
+        if indices.is_empty() {
+            warnings.push(format!("{element}: it has no triangles and was left out"));
+            return Ok(None);
+        }
+        Ok(Some(indices))
+    }
+
+    /// The mesh of these triangles with what its material needs.
+    pub fn read(
+        &self,
+        doc: &Document,
+        indices: Vec<u32>,
+        material: &Material,
+        pose: &Pose,
+        budget: &mut Budget,
+        warnings: &mut Vec<String>,
+    ) -> Result<Mesh> {
+        let element = &self.element;
+        let mut mesh = self.attributes(doc, material)?;
+        mesh.indices = indices;
+        if let Some(weights) = pose.weights {
+            pose::apply_morph(doc, &mut mesh, self.json, element, weights)?;
+        }
+        if let Some(skin) = pose.skin {
+            skin.apply(doc, &mut mesh, self.json, element)?;
+        }
+        if !mesh.positions.iter().all(|p| p.is_finite()) {
+            let problem = "the posed positions exceed what f32 can hold";
+            return Err(doc.bad(element, problem, "scale the scene down"));
+        }
+        self.complete(doc, &mut mesh, material, budget, warnings)?;
+        Ok(mesh)
+    }
+
+    /// Makes what the material needs and the file leaves out.
+    fn complete(
+        &self,
+        doc: &Document,
+        mesh: &mut Mesh,
+        material: &Material,
+        budget: &mut Budget,
+        warnings: &mut Vec<String>,
+    ) -> Result<()> {
+        if material.unlit {
+            return Ok(());
+        }
+        let element = &self.element;
+        if mesh.normals.is_empty() {
+            budget.take(doc, element, mesh.indices.len(), 0)?;
+            tangent::make_flat_normals(mesh);
+        } else {
+            let lost = tangent::normalize_normals(mesh);
+            if lost > 0 {
+                warnings.push(format!(
+                    "{element}.attributes.NORMAL: {lost} normals of length 0 were replaced by flat ones"
+                ));
+            }
+        }
+        if let Some(normal_texture) = &material.normal_texture {
+            if mesh.tangents.is_empty() {
+                budget.take(doc, element, mesh.indices.len(), 0)?;
+                tangent::make_tangents(mesh, normal_texture);
+            } else {
+                tangent::normalize_tangents(mesh);
+            }
+        }
+        Ok(())
+    }
+
+    fn accessor(&self, semantic: Semantic) -> Option<json::Index<json::Accessor>> {
+        self.json.attributes.get(&Checked::Valid(semantic)).copied()
+    }
+
+    /// The number of vertices, which all attributes must agree on.
+    fn vertex_count(&self, doc: &Document) -> Result<usize> {
+        let attributes = format!("{}.attributes", self.element);
+        let count = |index, name: &str| {
+            let accessor =
+                doc.get(&doc.root.accessors, "accessors", index, format!("{attributes}.{name}"))?;
+            Ok(accessor.count.0)
+        };
+        let Some(positions) = self.accessor(Semantic::Positions) else {
+            let problem = "is missing";
+            return Err(doc.bad(format!("{attributes}.POSITION"), problem, "export the file again"));
+        };
+        let vertices = count(positions, "POSITION")?;
+        for (semantic, &index) in &self.json.attributes {
+            let Checked::Valid(semantic) = semantic else { continue };
+            let name = semantic.to_string();
+            let found = count(index, &name)?;
+            if found != vertices {
+                let problem = format!("has {found} elements, but POSITION has {vertices}");
+                return Err(doc.bad(format!("{attributes}.{name}"), problem, "export the file again"));
+            }
+        }
+        Ok(usize::try_from(vertices).unwrap_or(usize::MAX))
+    }
+
+    /// The vertex of each corner, in the order of the file.
+    fn corners(&self, doc: &Document, vertices: usize, budget: &mut Budget) -> Result<Vec<u32>> {
+        let Some(index) = self.json.indices else {
+            budget.take(doc, &self.element, 0, vertices)?;
+            return Ok((0..vertices as u32).collect());
+        };
+        let element = format!("{}.indices", self.element);
+        let reader = Reader::new(doc, index, &element, Format::INDICES)?;
+        budget.take(doc, &element, 0, reader.count)?;
+        let corners: Vec<u32> = reader.integers::<1>().into_iter().map(|[i]| i).collect();
+        match corners.iter().position(|&i| i as usize >= vertices) {
+            None => Ok(corners),
+            Some(at) => Err(doc.bad(
+                element,
+                format!("index {at} is {}, but there are {vertices} vertices", corners[at]),
+                "export the file again",
+            )),
+        }
+    }
+
+    fn attributes(&self, doc: &Document, material: &Material) -> Result<Mesh> {
+        let reader = |semantic: Semantic, format| -> Result<Option<Reader>> {
+            let name = semantic.to_string();
+            let Some(index) = self.accessor(semantic) else { return Ok(None) };
+            Reader::new(doc, index, format!("{}.attributes.{name}", self.element), format).map(Some)
+        };
+        let floats3 = |semantic, format| match reader(semantic, format)? {
+            Some(r) => r.floats::<3>(doc).map(|list| list.into_iter().map(Vec3::from_array).collect()),
+            None => Ok(Vec::new()),
+        };
+        let mut mesh = Mesh { name: self.name.clone(), ..Mesh::default() };
+        mesh.positions = floats3(Semantic::Positions, Format::VEC3)?;
+        if !material.unlit {
+            mesh.normals = floats3(Semantic::Normals, Format::VEC3)?;
+        }
+        // Without normals, given tangents are to be ignored.
+        if material.normal_texture.is_some()
+            && !mesh.normals.is_empty()
+            && let Some(r) = reader(Semantic::Tangents, Format::VEC4)?
+        {
+            mesh.tangents = r.floats::<4>(doc)?.into_iter().map(Vec4::from_array).collect();
+        }
+        for (set, texcoords) in mesh.texcoords.iter_mut().enumerate() {
+            if material.uses_texcoord(set)
+                && let Some(r) = reader(Semantic::TexCoords(set as u32), Format::TEXCOORD)?
+            {
+                *texcoords = r.floats::<2>(doc)?.into_iter().map(Vec2::from_array).collect();
+            }
+        }
+        if let Some(r) = reader(Semantic::Colors(0), Format::COLOR)? {
+            mesh.colors = match r.width {
+                3 => r.floats::<3>(doc)?.into_iter().map(|c| Vec3::from_array(c).extend(1.0)).collect(),
+                _ => r.floats::<4>(doc)?.into_iter().map(Vec4::from_array).collect(),
+            };
+        }
+        Ok(mesh)
+    }
+}
+
+impl Material {
+    fn uses_texcoord(&self, set: usize) -> bool {
+        let slots = [
+            &self.base_color_texture,
+            &self.metallic_roughness_texture,
+            &self.normal_texture,
+            &self.occlusion_texture,
+            &self.emissive_texture,
+        ];
+        slots.into_iter().flatten().any(|texture| texture.texcoord == set)
+    }
+}
+
+/// Triangle lists from the three triangle modes (glTF 2.0 section 3.7.2.1); odd corners at the end are dropped.
+fn triangulate(mode: Mode, mut corners: Vec<u32>) -> Vec<u32> {
+    let triangles = corners.len().saturating_sub(2);
+    match mode {
+        Mode::TriangleStrip => (0..triangles)
+            .map(|i| [corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]])
+            // Strips are joined by triangles without area.
+            .filter(|[a, b, c]| a != b && b != c && c != a)
+            .flatten()
+            .collect(),
+        Mode::TriangleFan => {
+            (0..triangles).flat_map(|i| [corners[i + 1], corners[i + 2], corners[0]]).collect()
+        }
+        _ => {
+            corners.truncate(corners.len() / 3 * 3);
+            corners
+        }
+    }
+}

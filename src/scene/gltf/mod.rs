@@ -1,0 +1,152 @@
+//! glTF 2.0 files into a [`Scene`](super::Scene).
+//!
+//! Data flows one way: `source` gives bytes, `document` parsed JSON and checked byte ranges, `accessor` typed
+//! lists, and `node`, `material`, `mesh` and `image` what the scene holds. Nothing in a file is trusted: every
+//! index, range and number is checked before it is used.
+
+mod accessor;
+mod defaults;
+mod document;
+mod image;
+mod material;
+mod mesh;
+mod node;
+mod pose;
+mod source;
+mod tangent;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::{DMat3, Mat4};
+
+use super::{Instance, Mesh, Scene};
+use crate::Result;
+use document::{Document, MAX_INSTANCES};
+use material::Materials;
+use mesh::{Budget, Pose, Primitive};
+use node::NodeTree;
+use pose::Skin;
+
+/// World coordinates beyond this (metres) would overflow f32 where lengths are squared.
+const MAX_COORDINATE_M: f32 = 1e15;
+
+impl Scene {
+    /// Loads a glTF 2.0 file (`.gltf` or `.glb`) with the buffers and images that it uses.
+    ///
+    /// The scene is the file's default one (else the first, else all nodes), as it stands without animations:
+    /// morph targets at their default weights, skins at rest. Only what is drawn is kept. Normals and tangents
+    /// are made where a material needs them and the file has none (flat ones; MikkTSpace).
+    ///
+    /// A file without a camera gets one named `default` that shows everything. A file without lights gets, if
+    /// anything in it can be lit, a key light of 3 lx over the right shoulder of camera 0 and a fill light of
+    /// 0.8 lx from its lower left. [`Scene::warnings`] tells what was left out, replaced or added.
+    ///
+    /// # Errors
+    /// [`crate::Error::Io`] if `path` cannot be read. [`crate::Error::Input`] for anything in it that breaks the rules of
+    /// glTF 2.0, needs an unsupported extension, or refers to data that is missing or broken.
+    pub fn load(path: &Path) -> Result<Self> {
+        let doc = Document::read(path)?;
+        let tree = NodeTree::read(&doc)?;
+        let name = path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy().into_owned());
+        let mut scene = Self { name, warnings: doc.extension_warnings(), ..Self::default() };
+
+        let mut materials = Materials::default();
+        read_meshes(&doc, &tree, &mut scene, &mut materials)?;
+        scene.images = image::decode_all(&doc, &materials.images)?;
+        scene.materials = materials.materials;
+        scene.textures = materials.textures;
+        scene.warnings.append(&mut materials.warnings);
+
+        let bounds = scene.bounds_world();
+        if let Some(b) = bounds
+            && !(b.min.abs().max(b.max.abs()).max_element() <= MAX_COORDINATE_M)
+        {
+            let problem = format!("reaches from {} to {}, beyond {MAX_COORDINATE_M:e} m", b.min, b.max);
+            return Err(doc.bad("nodes", problem, "scale the scene down"));
+        }
+        if bounds.is_none() {
+            scene.warnings.push("scene: it has no triangles, so nothing is drawn".into());
+        }
+        scene.cameras = node::read_cameras(&doc, &tree)?;
+        if scene.cameras.is_empty() {
+            scene.cameras.push(defaults::camera(bounds));
+        }
+        scene.lights = node::read_lights(&doc, &tree)?;
+        let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
+        if scene.lights.is_empty() && is_lit {
+            scene.lights = defaults::lights(&scene.cameras[0]);
+            scene.warnings.push("scene: it has no lights; a default key and fill light were added".into());
+        }
+        Ok(scene)
+    }
+}
+
+/// Meshes, their instances and the materials they use.
+fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &mut Materials) -> Result<()> {
+    // Undeformed primitives are shared by all nodes; deformed ones belong to theirs. `None` had no triangles.
+    let mut known: HashMap<(usize, usize, Option<usize>), Option<usize>> = HashMap::new();
+    let mut budget = Budget::default();
+    for &node_index in &tree.drawn {
+        let node = &doc.root.nodes[node_index];
+        let Some(mesh_index) = node.mesh else { continue };
+        let element = format!("nodes[{node_index}]");
+        let mesh = doc.get(&doc.root.meshes, "meshes", mesh_index, format!("{element}.mesh"))?;
+        let weights = pose::morph_weights(doc, node_index, mesh_index)?;
+        let skin = match node.skin {
+            Some(index) => Some(Skin::read(doc, tree, index, &format!("{element}.skin"))?),
+            None => None,
+        };
+        let world_from_node = tree.world_from_node[node_index];
+        if skin.is_none() && DMat3::from_mat4(world_from_node).determinant() == 0.0 {
+            scene.warnings.push(format!("{element}: its scale flattens the mesh, which was left out"));
+            continue;
+        }
+        let world_from_object = if skin.is_some() { Mat4::IDENTITY } else { world_from_node.as_mat4() };
+        let own = (skin.is_some() || weights.is_some()).then_some(node_index);
+        let pose = Pose { weights, skin: skin.as_ref() };
+        for (j, json) in mesh.primitives.iter().enumerate() {
+            let element = format!("meshes[{}].primitives[{j}]", mesh_index.value());
+            let key = (mesh_index.value(), j, own);
+            let index = match known.get(&key) {
+                Some(&index) => index,
+                None => {
+                    let name = match (&mesh.name, mesh.primitives.len()) {
+                        (Some(name), 1) => name.clone(),
+                        (Some(name), _) => format!("{name} {j}"),
+                        (None, _) => format!("mesh {} {j}", mesh_index.value()),
+                    };
+                    let primitive = Primitive { json, name, element };
+                    let index = read_primitive(doc, &primitive, &pose, scene, materials, &mut budget)?;
+                    known.insert(key, index);
+                    index
+                }
+            };
+            let Some(mesh) = index else { continue };
+            if scene.instances.len() == MAX_INSTANCES {
+                let problem = format!("there are more than {MAX_INSTANCES} meshes to draw");
+                return Err(doc.bad("nodes", problem, "split the scene into smaller files"));
+            }
+            scene.instances.push(Instance { mesh, world_from_object });
+        }
+    }
+    Ok(())
+}
+
+/// Adds the mesh and its material to the scene; `None` if there are no triangles.
+fn read_primitive(
+    doc: &Document,
+    primitive: &Primitive,
+    pose: &Pose,
+    scene: &mut Scene,
+    materials: &mut Materials,
+    budget: &mut Budget,
+) -> Result<Option<usize>> {
+    let Some(indices) = primitive.triangles(doc, budget, &mut scene.warnings)? else { return Ok(None) };
+    let material = primitive.json.material;
+    let material = materials.use_material(doc, material, &format!("{}.material", primitive.element))?;
+    let mesh =
+        primitive.read(doc, indices, &materials.materials[material], pose, budget, &mut scene.warnings)?;
+    scene.meshes.push(Mesh { material, ..mesh });
+    Ok(Some(scene.meshes.len() - 1))
+}

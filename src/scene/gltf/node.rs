@@ -1,0 +1,283 @@
+//! The node tree, and what hangs from it besides meshes: cameras and lights.
+
+use glam::{DMat3, DMat4, DQuat, DVec3, DVec4, Mat4, Vec3};
+use gltf::json;
+use gltf::json::camera::Type as CameraType;
+use gltf::json::extensions::scene::khr_lights_punctual as punctual;
+
+use super::document::Document;
+use crate::Result;
+use crate::scene::{Camera, Light, LightKind, Projection};
+
+const REPAIR_TREE: &str = "give each node one parent at most, and list only nodes without a parent in scenes";
+
+/// The nodes of a file, known to form trees.
+pub struct NodeTree {
+    /// By node; f64 keeps long chains exact enough.
+    pub world_from_node: Vec<DMat4>,
+    /// Nodes of the default scene, in ascending order.
+    pub drawn: Vec<usize>,
+}
+
+impl NodeTree {
+    pub fn read(doc: &Document) -> Result<Self> {
+        let parents = parents(doc)?;
+        let roots = (0..parents.len()).filter(|&i| parents[i].is_none());
+        let order = descendants(doc, roots.collect());
+        if order.len() < parents.len() {
+            let mut reached = vec![false; parents.len()];
+            order.iter().for_each(|&i| reached[i] = true);
+            let in_cycle = reached.iter().position(|r| !r).unwrap_or_default();
+            let problem = "is its own ancestor, or a descendant of such a node";
+            return Err(doc.bad(format!("nodes[{in_cycle}]"), problem, REPAIR_TREE));
+        }
+        let mut world_from_node = vec![DMat4::IDENTITY; parents.len()];
+        for &i in &order {
+            let local = local_transform(doc, i)?;
+            let world = parents[i].map_or(local, |parent| world_from_node[parent] * local);
+            if !world.as_mat4().is_finite() {
+                let problem = "its transform in world space exceeds what f32 can hold";
+                return Err(doc.bad(format!("nodes[{i}]"), problem, "scale the scene down"));
+            }
+            world_from_node[i] = world;
+        }
+        let mut drawn = descendants(doc, scene_roots(doc, &parents)?);
+        drawn.sort_unstable();
+        drawn.dedup();
+        Ok(Self { world_from_node, drawn })
+    }
+}
+
+fn children<'a>(doc: &'a Document, node: usize) -> impl Iterator<Item = usize> + 'a {
+    doc.root.nodes[node].children.iter().flatten().map(|child| child.value())
+}
+
+fn parents(doc: &Document) -> Result<Vec<Option<usize>>> {
+    let mut parents = vec![None; doc.root.nodes.len()];
+    for (i, node) in doc.root.nodes.iter().enumerate() {
+        for (j, &child) in node.children.iter().flatten().enumerate() {
+            let element = || format!("nodes[{i}].children[{j}]");
+            doc.get(&doc.root.nodes, "nodes", child, element())?;
+            if let Some(first) = parents[child.value()].replace(i) {
+                let problem = format!("nodes[{}] already is a child of nodes[{first}]", child.value());
+                return Err(doc.bad(element(), problem, REPAIR_TREE));
+            }
+        }
+    }
+    Ok(parents)
+}
+
+/// `from` and everything below, parents first. Every node has one parent at most, so this ends.
+fn descendants(doc: &Document, from: Vec<usize>) -> Vec<usize> {
+    let mut order = from;
+    let mut next = 0;
+    while next < order.len() {
+        let node = order[next];
+        order.extend(children(doc, node));
+        next += 1;
+    }
+    order
+}
+
+/// The roots of the default scene; of scene 0 if none is the default; all roots if there are no scenes.
+fn scene_roots(doc: &Document, parents: &[Option<usize>]) -> Result<Vec<usize>> {
+    let scenes = &doc.root.scenes;
+    let (scene, index) = match doc.root.scene {
+        Some(index) => (doc.get(scenes, "scenes", index, "scene")?, index.value()),
+        None => match scenes.first() {
+            Some(first) => (first, 0),
+            None => return Ok((0..parents.len()).filter(|&i| parents[i].is_none()).collect()),
+        },
+    };
+    let mut roots = Vec::with_capacity(scene.nodes.len());
+    for (j, &node) in scene.nodes.iter().enumerate() {
+        let element = || format!("scenes[{index}].nodes[{j}]");
+        doc.get(&doc.root.nodes, "nodes", node, element())?;
+        if let Some(parent) = parents[node.value()] {
+            let problem = format!("nodes[{}] is a child of nodes[{parent}], not a root", node.value());
+            return Err(doc.bad(element(), problem, REPAIR_TREE));
+        }
+        roots.push(node.value());
+    }
+    roots.sort_unstable();
+    roots.dedup();
+    Ok(roots)
+}
+
+fn local_transform(doc: &Document, index: usize) -> Result<DMat4> {
+    let node = &doc.root.nodes[index];
+    let at = |field: &str| format!("nodes[{index}].{field}");
+    if let Some(matrix) = node.matrix {
+        let matrix = Mat4::from_cols_array(&doc.finite(matrix, at("matrix"))?).as_dmat4();
+        if matrix.row(3) != DVec4::W {
+            let problem = "its last row is not 0, 0, 0, 1";
+            return Err(doc.bad(at("matrix"), problem, "use an affine matrix"));
+        }
+        return Ok(matrix);
+    }
+    let vector = |v: Option<[f32; 3]>, default: DVec3, field: &str| match v {
+        Some(v) => Ok(Vec3::from_array(doc.finite(v, at(field))?).as_dvec3()),
+        None => Ok(default),
+    };
+    let translation = vector(node.translation, DVec3::ZERO, "translation")?;
+    let scale = vector(node.scale, DVec3::ONE, "scale")?;
+    let rotation = match node.rotation {
+        Some(rotation) => {
+            let q = DVec4::from_array(doc.finite(rotation.0, at("rotation"))?.map(f64::from));
+            let unit = q.try_normalize().ok_or_else(|| {
+                doc.bad(
+                    at("rotation"),
+                    "is a quaternion of length 0",
+                    "use a unit quaternion, e.g. [0, 0, 0, 1]",
+                )
+            })?;
+            DQuat::from_vec4(unit)
+        }
+        None => DQuat::IDENTITY,
+    };
+    Ok(DMat4::from_scale_rotation_translation(scale, rotation, translation))
+}
+
+/// The cameras of the drawn nodes.
+pub fn read_cameras(doc: &Document, tree: &NodeTree) -> Result<Vec<Camera>> {
+    let mut cameras = Vec::new();
+    for &i in &tree.drawn {
+        let node = &doc.root.nodes[i];
+        let Some(index) = node.camera else { continue };
+        let camera = doc.get(&doc.root.cameras, "cameras", index, format!("nodes[{i}].camera"))?;
+        let name = camera.name.clone().or_else(|| node.name.clone());
+        let world_from_view = rigid(&tree.world_from_node[i]).ok_or_else(|| {
+            let problem = "has a camera, but its scale of 0 leaves no direction to look in";
+            doc.bad(format!("nodes[{i}]"), problem, "give the node a scale other than 0")
+        })?;
+        cameras.push(Camera {
+            name: name.unwrap_or_else(|| format!("camera {}", index.value())),
+            world_from_view,
+            projection: projection(doc, camera, index.value())?,
+        });
+    }
+    Ok(cameras)
+}
+
+/// The transform without scale, shear and mirroring; -Z and the plane of Y stay.
+fn rigid(world_from_node: &DMat4) -> Option<Mat4> {
+    let axes = DMat3::from_mat4(*world_from_node);
+    let back = axes.z_axis.try_normalize()?;
+    let right = axes.y_axis.try_normalize()?.cross(back).try_normalize()?;
+    let rotation = DMat3::from_cols(right, back.cross(right), back);
+    Some((DMat4::from_translation(world_from_node.w_axis.truncate()) * DMat4::from_mat3(rotation)).as_mat4())
+}
+
+fn projection(doc: &Document, camera: &json::Camera, index: usize) -> Result<Projection> {
+    let check = |value: f32, field: &str, rule: &str, holds: bool| match holds && value.is_finite() {
+        true => Ok(value),
+        false => Err(doc.bad(
+            format!("cameras[{index}].{field}"),
+            format!("is {value}, but must be {rule}"),
+            "correct the camera",
+        )),
+    };
+    let missing = |field: &str| doc.bad(format!("cameras[{index}].{field}"), "is missing", "add it");
+    Ok(match doc.valid(camera.type_, format!("cameras[{index}].type"))? {
+        CameraType::Perspective => {
+            let p = camera.perspective.as_ref().ok_or_else(|| missing("perspective"))?;
+            let yfov_ok = p.yfov > 0.0 && p.yfov < std::f32::consts::PI;
+            Projection::Perspective {
+                yfov_rad: check(p.yfov, "perspective.yfov", "above 0 and below pi", yfov_ok)?,
+                znear_m: check(p.znear, "perspective.znear", "above 0", p.znear > 0.0)?,
+                zfar_m: match p.zfar {
+                    Some(far) => Some(check(far, "perspective.zfar", "above znear", far > p.znear)?),
+                    None => None,
+                },
+            }
+        }
+        CameraType::Orthographic => {
+            let o = camera.orthographic.as_ref().ok_or_else(|| missing("orthographic"))?;
+            Projection::Orthographic {
+                xmag_m: check(o.xmag, "orthographic.xmag", "above 0", o.xmag > 0.0)?,
+                ymag_m: check(o.ymag, "orthographic.ymag", "above 0", o.ymag > 0.0)?,
+                znear_m: check(o.znear, "orthographic.znear", "at least 0", o.znear >= 0.0)?,
+                zfar_m: check(o.zfar, "orthographic.zfar", "above znear", o.zfar > o.znear)?,
+            }
+        }
+    })
+}
+
+/// The lights of the drawn nodes.
+pub fn read_lights(doc: &Document, tree: &NodeTree) -> Result<Vec<Light>> {
+    let defined = doc.root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+    let defined = defined.map_or(&[][..], |e| &e.lights);
+    let mut lights = Vec::new();
+    for &i in &tree.drawn {
+        let node = &doc.root.nodes[i];
+        let Some(used) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) else {
+            continue;
+        };
+        let index = used.light;
+        let list = "extensions.KHR_lights_punctual.lights";
+        let light =
+            doc.get(defined, list, index, format!("nodes[{i}].extensions.KHR_lights_punctual.light"))?;
+        let kind = light_kind(doc, light, index.value())?;
+        let world = &tree.world_from_node[i];
+        let direction = -world.z_axis.truncate();
+        let direction_world = match (direction.try_normalize(), kind) {
+            (Some(direction), _) => direction.as_vec3(),
+            (None, LightKind::Point { .. }) => Vec3::NEG_Z,
+            (None, _) => {
+                let problem = "has a light, but its scale of 0 leaves no direction to shine in";
+                let remedy = "give the node a scale other than 0";
+                return Err(doc.bad(format!("nodes[{i}]"), problem, remedy));
+            }
+        };
+        let name = light.name.clone().or_else(|| node.name.clone());
+        lights.push(Light {
+            name: name.unwrap_or_else(|| format!("light {}", index.value())),
+            color: Vec3::from_array(light.color),
+            kind,
+            position_world: world.w_axis.truncate().as_vec3(),
+            direction_world,
+            range_m: light.range.filter(|_| !matches!(kind, LightKind::Directional { .. })),
+        });
+    }
+    Ok(lights)
+}
+
+/// The kind, with all values of the light checked.
+fn light_kind(doc: &Document, light: &punctual::Light, index: usize) -> Result<LightKind> {
+    let check = |holds: bool, field: &str, problem: String| match holds {
+        true => Ok(()),
+        false => Err(doc.bad(
+            format!("extensions.KHR_lights_punctual.lights[{index}].{field}"),
+            problem,
+            "correct the light",
+        )),
+    };
+    let fine = |v: f32| v.is_finite() && v >= 0.0;
+    let intensity = light.intensity;
+    check(
+        light.color.iter().all(|&c| fine(c)),
+        "color",
+        format!("{:?} must be finite and not negative", light.color),
+    )?;
+    check(fine(intensity), "intensity", format!("is {intensity}, but must be finite and not negative"))?;
+    if let Some(range) = light.range {
+        check(fine(range) && range > 0.0, "range", format!("is {range}, but must be finite and above 0"))?;
+    }
+    let type_ = doc.valid(light.type_, format!("extensions.KHR_lights_punctual.lights[{index}].type"))?;
+    Ok(match type_ {
+        punctual::Type::Directional => LightKind::Directional { illuminance_lx: intensity },
+        punctual::Type::Point => LightKind::Point { intensity_cd: intensity },
+        punctual::Type::Spot => {
+            let spot = light.spot.as_ref();
+            check(spot.is_some(), "spot", "is missing".into())?;
+            let (inner, outer) =
+                spot.map_or((0.0, std::f32::consts::FRAC_PI_4), |s| (s.inner_cone_angle, s.outer_cone_angle));
+            check(
+                0.0 <= inner && inner < outer && outer <= std::f32::consts::FRAC_PI_2,
+                "spot",
+                format!("its cones are {inner} and {outer}, but 0 <= inner < outer <= pi / 2 must hold"),
+            )?;
+            LightKind::Spot { intensity_cd: intensity, inner_cone_rad: inner, outer_cone_rad: outer }
+        }
+    })
+}

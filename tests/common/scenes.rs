@@ -1,0 +1,306 @@
+//! Scenes built by hand, small enough to render often; together they use every kind of surface, light and camera.
+
+use ontile::glam::{Mat4, Vec2, Vec3, Vec4, camera::rh::view::look_at_mat4};
+use ontile::scene::{
+    AlphaMode, Camera, Image, Instance, Light, LightKind, Material, Mesh, Projection, Sampler, Scene,
+    Texture, TextureRef,
+};
+use std::f32::consts::{PI, TAU};
+use std::path::{Path, PathBuf};
+
+/// The scenes that the repository ships, loaded, in order of name.
+///
+/// # Panics
+///
+/// If there is none, or one does not load.
+pub fn shipped() -> Vec<Scene> {
+    let scenes: Vec<_> = shipped_files()
+        .iter()
+        .map(|path| Scene::load(path).unwrap_or_else(|error| panic!("{error}")))
+        .collect();
+    assert!(!scenes.is_empty(), "assets/ ships no scene");
+    scenes
+}
+
+/// The files of [`shipped`].
+pub fn shipped_files() -> Vec<PathBuf> {
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let entries = std::fs::read_dir(&assets).unwrap_or_else(|e| panic!("{}: {e}", assets.display()));
+    let mut files: Vec<_> = entries.map(|entry| entry.expect("assets can be listed").path()).collect();
+    files.retain(|path| path.extension().is_some_and(|extension| extension == "glb"));
+    files.sort();
+    files
+}
+
+/// All scenes of this file.
+pub fn built() -> Vec<Scene> {
+    vec![
+        every_feature(),
+        orthographic(),
+        lights_only(),
+        lit_textures(),
+        emissive(),
+        no_lights(),
+        wholly_unlit(),
+        one_unlit_triangle(),
+        one_lit_triangle(),
+    ]
+}
+
+/// All kinds of lights; emissive, unlit and lit surfaces; ambient light with an occlusion texture; normal map, vertex
+/// colours, alpha mask, double-sided, mirrored, TEXCOORD_1, texture transform.
+pub fn every_feature() -> Scene {
+    let mut scene = lit_textures();
+    scene.name = "every_feature".into();
+    scene.ambient_nt = Vec3::new(0.10, 0.12, 0.15);
+    scene.materials[FLOOR].occlusion_texture = Some(texture(0));
+    let lamp = Material {
+        name: "lamp".into(),
+        emissive_factor: Vec3::new(1.5, 0.9, 0.3),
+        emissive_texture: Some(texture(0)),
+        ..rough("lamp", Vec3::splat(0.2))
+    };
+    add(&mut scene, sphere(), lamp, &[at(0.0, 1.3, 0.0) * Mat4::from_scale(Vec3::splat(0.3))]);
+    let sign = Material {
+        name: "sign".into(),
+        base_color_factor: Vec4::new(0.1, 0.6, 0.3, 1.0),
+        unlit: true,
+        ..Material::default()
+    };
+    add(&mut scene, square(), sign, &[at(1.5, 1.2, -0.6) * Mat4::from_scale(Vec3::splat(0.4))]);
+    scene
+}
+
+/// [`every_feature`] in parallel projection.
+pub fn orthographic() -> Scene {
+    let mut scene = every_feature();
+    scene.name = "orthographic".into();
+    scene.cameras[0].projection =
+        Projection::Orthographic { xmag_m: 2.6, ymag_m: 1.5, znear_m: 0.1, zfar_m: 20.0 };
+    scene
+}
+
+/// All kinds of lights on surfaces without textures; nothing needs the light target.
+pub fn lights_only() -> Scene {
+    let mut scene = Scene { name: "lights_only".into(), cameras: vec![camera()], ..Scene::default() };
+    let placed = [at(-1.1, 0.5, 0.0), at(1.1, 0.5, 0.0)].map(|t| t * Mat4::from_scale(Vec3::splat(0.5)));
+    add(&mut scene, sphere(), rough("clay", Vec3::new(0.7, 0.35, 0.2)), &placed[..1]);
+    let gold =
+        Material { metallic_factor: 1.0, roughness_factor: 0.3, ..rough("gold", Vec3::new(1.0, 0.78, 0.34)) };
+    add(&mut scene, sphere(), gold, &placed[1..]);
+    let floor = Mat4::from_rotation_x(-PI / 2.0) * Mat4::from_scale(Vec3::splat(3.0));
+    add(&mut scene, square(), rough("floor", Vec3::splat(0.5)), &[floor]);
+    scene.lights = lights();
+    scene
+}
+
+/// The index of the textured floor's material in [`lit_textures`] and [`every_feature`].
+const FLOOR: usize = 0;
+
+/// Lit surfaces with textures; nothing needs the light target.
+pub fn lit_textures() -> Scene {
+    let mut scene = Scene { name: "lit_textures".into(), cameras: vec![camera()], ..Scene::default() };
+    scene.images = vec![tiles(), bumps()];
+    scene.textures = [0, 1].map(|image| Texture { image, sampler: Sampler::default() }).to_vec();
+    let thrice =
+        TextureRef { uv_from_texcoord: [Vec3::new(3.0, 0.5, 0.1), Vec3::new(-0.5, 3.0, 0.2)], ..texture(0) };
+    let floor = Material { base_color_texture: Some(thrice), ..rough("floor", Vec3::splat(0.9)) };
+    let flat = Mat4::from_rotation_x(-PI / 2.0) * Mat4::from_scale(Vec3::splat(3.0));
+    add(&mut scene, square(), floor, &[flat]);
+    let bumpy = Material {
+        metallic_factor: 1.0,
+        roughness_factor: 0.8,
+        metallic_roughness_texture: Some(texture(0)),
+        normal_texture: Some(texture(1)),
+        normal_scale: 0.7,
+        ..rough("bumpy", Vec3::new(0.9, 0.6, 0.5))
+    };
+    let half = Vec3::splat(0.5);
+    let mirrored = at(1.1, 0.5, 0.0) * Mat4::from_scale(half * Vec3::new(-1.0, 1.0, 1.0));
+    add(&mut scene, sphere(), bumpy, &[at(-1.1, 0.5, 0.0) * Mat4::from_scale(half), mirrored]);
+    let banner = Material { double_sided: true, ..rough("banner", Vec3::ONE) };
+    let corners = [
+        Vec4::new(1.0, 0.1, 0.1, 1.0),
+        Vec4::new(0.1, 1.0, 0.1, 1.0),
+        Vec4::new(0.1, 0.1, 1.0, 1.0),
+        Vec4::ONE,
+    ];
+    let colored = Mesh { colors: corners.to_vec(), ..square() };
+    // Turned away: its back is seen.
+    let away = at(-0.4, 0.5, 0.6) * Mat4::from_rotation_y(0.8 * PI) * Mat4::from_scale(Vec3::splat(0.3));
+    add(&mut scene, colored, banner, &[away]);
+    let lattice = Material {
+        base_color_texture: Some(TextureRef { texcoord: 1, ..texture(0) }),
+        alpha_mode: AlphaMode::Mask { cutoff: 0.5 },
+        double_sided: true,
+        ..rough("lattice", Vec3::new(0.8, 0.8, 0.4))
+    };
+    add(&mut scene, square(), lattice, &[at(0.5, 0.5, 0.5) * Mat4::from_scale(Vec3::splat(0.35))]);
+    scene.lights = lights();
+    scene
+}
+
+/// [`lights_only`], where one of the surfaces glows.
+pub fn emissive() -> Scene {
+    let mut scene = lights_only();
+    scene.name = "emissive".into();
+    scene.materials[0].emissive_factor = Vec3::new(0.2, 0.5, 1.2);
+    scene
+}
+
+/// [`emissive`] in the dark.
+pub fn no_lights() -> Scene {
+    Scene { name: "no_lights".into(), lights: Vec::new(), ..emissive() }
+}
+
+/// Textured unlit surfaces that hide each other.
+pub fn wholly_unlit() -> Scene {
+    let mut scene = lit_textures();
+    scene.name = "wholly_unlit".into();
+    scene.lights.clear();
+    for material in &mut scene.materials {
+        material.unlit = true;
+    }
+    scene
+}
+
+/// The least that can be drawn.
+pub fn one_unlit_triangle() -> Scene {
+    let mut scene = one_lit_triangle();
+    scene.name = "one_unlit_triangle".into();
+    scene.materials[0].unlit = true;
+    scene.lights.clear();
+    scene
+}
+
+/// The least that can be lit.
+pub fn one_lit_triangle() -> Scene {
+    let mut scene = Scene { name: "one_lit_triangle".into(), cameras: vec![camera()], ..Scene::default() };
+    let triangle = Mesh { indices: vec![0, 1, 2], ..square() };
+    add(&mut scene, triangle, rough("paper", Vec3::new(0.2, 0.5, 0.8)), &[at(0.0, 1.0, 0.0)]);
+    scene.lights = lights();
+    scene
+}
+
+fn camera() -> Camera {
+    let world_from_view = look_at_mat4(Vec3::new(0.0, 1.6, 4.0), Vec3::new(0.0, 0.5, 0.0), Vec3::Y).inverse();
+    let projection = Projection::Perspective { yfov_rad: 0.7, znear_m: 0.1, zfar_m: None };
+    Camera { name: "test".into(), world_from_view, projection }
+}
+
+/// One light of each kind.
+fn lights() -> Vec<Light> {
+    let light = |name: &str, color, kind, position_world, range_m| Light {
+        name: name.into(),
+        color,
+        kind,
+        position_world,
+        direction_world: Vec3::new(-0.3, -1.0, -0.4).normalize(),
+        range_m,
+    };
+    let spot = LightKind::Spot { intensity_cd: 12.0, inner_cone_rad: 0.2, outer_cone_rad: 0.5 };
+    vec![
+        light(
+            "sun",
+            Vec3::new(1.0, 0.95, 0.9),
+            LightKind::Directional { illuminance_lx: 1.5 },
+            Vec3::ZERO,
+            None,
+        ),
+        light(
+            "bulb",
+            Vec3::new(0.4, 0.6, 1.0),
+            LightKind::Point { intensity_cd: 4.0 },
+            Vec3::new(-1.5, 1.5, 1.0),
+            Some(6.0),
+        ),
+        light("torch", Vec3::new(1.0, 0.5, 0.3), spot, Vec3::new(1.3, 2.6, 1.5), None),
+    ]
+}
+
+fn rough(name: &str, base_color: Vec3) -> Material {
+    Material {
+        name: name.into(),
+        base_color_factor: base_color.extend(1.0),
+        metallic_factor: 0.0,
+        roughness_factor: 0.6,
+        ..Material::default()
+    }
+}
+
+fn texture(texture: usize) -> TextureRef {
+    TextureRef { texture, texcoord: 0, uv_from_texcoord: TextureRef::IDENTITY }
+}
+
+fn at(x: f32, y: f32, z: f32) -> Mat4 {
+    Mat4::from_translation(Vec3::new(x, y, z))
+}
+
+fn add(scene: &mut Scene, mesh: Mesh, material: Material, placements: &[Mat4]) {
+    let index = scene.meshes.len();
+    scene.meshes.push(Mesh { material: scene.materials.len(), name: material.name.clone(), ..mesh });
+    scene.materials.push(material);
+    let place = |&world_from_object| Instance { mesh: index, world_from_object };
+    scene.instances.extend(placements.iter().map(place));
+}
+
+/// A latitude-longitude sphere of radius 1.
+fn sphere() -> Mesh {
+    const RINGS: u32 = 12;
+    const SECTORS: u32 = 24;
+    let mut mesh = Mesh::default();
+    for ring in 0..=RINGS {
+        for sector in 0..=SECTORS {
+            let uv = Vec2::new(sector as f32 / SECTORS as f32, ring as f32 / RINGS as f32);
+            let (theta, phi) = (PI * uv.y, TAU * uv.x);
+            mesh.positions.push(Vec3::new(theta.sin() * phi.sin(), theta.cos(), theta.sin() * phi.cos()));
+            mesh.tangents.push(Vec4::new(phi.cos(), 0.0, -phi.sin(), 1.0));
+            mesh.texcoords[0].push(uv * Vec2::new(4.0, 2.0));
+            if ring < RINGS && sector < SECTORS {
+                let a = ring * (SECTORS + 1) + sector;
+                let b = a + SECTORS + 1;
+                mesh.indices.extend([a, b, a + 1, a + 1, b, b + 1]);
+            }
+        }
+    }
+    mesh.normals = mesh.positions.clone();
+    mesh
+}
+
+/// The square from -1 to 1 in the plane z = 0, facing +Z; TEXCOORD_1 runs twice as fast as TEXCOORD_0.
+fn square() -> Mesh {
+    let corners = [Vec2::new(-1.0, 1.0), Vec2::new(-1.0, -1.0), Vec2::new(1.0, -1.0), Vec2::new(1.0, 1.0)];
+    let uv = corners.map(|c| (c * Vec2::new(1.0, -1.0) + 1.0) * 0.5);
+    Mesh {
+        positions: corners.map(|c| c.extend(0.0)).to_vec(),
+        normals: vec![Vec3::Z; 4],
+        tangents: vec![Vec3::X.extend(1.0); 4],
+        texcoords: [uv.to_vec(), uv.map(|c| c * 2.0).to_vec()],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Mesh::default()
+    }
+}
+
+fn image(name: &str, texel: impl Fn(u32, u32) -> [u8; 4]) -> Image {
+    const SIDE: u32 = 32;
+    let rgba8 = (0..SIDE * SIDE).flat_map(|i| texel(i % SIDE, i / SIDE)).collect();
+    Image { name: name.into(), width: SIDE, height: SIDE, rgba8 }
+}
+
+/// Light and dark tiles, all channels different; every other one is transparent.
+fn tiles() -> Image {
+    image("tiles", |x, y| {
+        let dark = (x / 8 + y / 8) % 2 == 1;
+        if dark { [90, 60, 150, 0] } else { [200 + (x % 8) as u8, 220, 120, 255] }
+    })
+}
+
+/// Normals of rounded bumps.
+fn bumps() -> Image {
+    image("bumps", |x, y| {
+        let slope = |t: u32| 0.5 * (TAU * (t as f32 + 0.5) / 16.0).sin();
+        let n = Vec3::new(slope(x), slope(y), 1.0).normalize() * 0.5 + 0.5;
+        let [r, g, b] = n.to_array().map(|c| (c * 255.0).round() as u8);
+        [r, g, b, 255]
+    })
+}

@@ -1,0 +1,237 @@
+//! One picture, however it is made: passes, attachments and memory are arranged in many ways, and no pixel may change.
+
+mod common;
+
+use ash::vk;
+use common::render::{Gpu, difference, on_device, on_device_with_faults};
+use common::scenes;
+use ontile::gpu::{Commands, Image, ImageDesc, OutputImage, Readback, Renderer, RendererConfig, View};
+use ontile::picture::{Picture, Pixels};
+use ontile::plan::{Layout, Load, Options, OutputFormat, Plan, Strategy, Tonemap};
+use ontile::scene::Scene;
+
+const SIZE: [u32; 2] = [160, 90];
+
+/// A change of the options that must not change the picture.
+type Variant = (&'static str, fn(Options) -> Options);
+
+/// All of them, against the default: one pass, recycled attachments, nothing kept.
+const VARIANTS: [Variant; 6] = [
+    ("separate", |o| Options { strategy: Strategy::Separate, ..o }),
+    ("not recycled", |o| Options { recycle: false, ..o }),
+    ("output not an input attachment", |o| Options { output_is_input_attachment: false, ..o }),
+    ("G-buffer kept", |o| Options { keep_gbuffer: true, ..o }),
+    ("separate, not recycled", |o| Options { strategy: Strategy::Separate, recycle: false, ..o }),
+    ("separate, G-buffer kept", |o| Options { strategy: Strategy::Separate, keep_gbuffer: true, ..o }),
+];
+
+fn every<T: Copy, U: Copy>(a: &[T], b: &[U]) -> Vec<(T, U)> {
+    a.iter().flat_map(|&a| b.iter().map(move |&b| (a, b))).collect()
+}
+
+/// Renders every variant with these options and compares it with the default.
+fn check_variants(gpu: &Gpu<'_>, scene: &Scene, options: &Options) {
+    let picture = |options| gpu.picture(scene, gpu.plan(scene, options), 0.0);
+    let expected = picture(options.clone());
+    for (name, change) in VARIANTS {
+        if let Some(difference) = difference(&expected, &picture(change(options.clone()))) {
+            panic!("{}, {name}, {options:?}: {difference}", scene.name);
+        }
+    }
+    let capture = RendererConfig { capture: true, ..RendererConfig::default() };
+    let captured = gpu.picture_with(scene, gpu.plan(scene, options.clone()), 0.0, capture);
+    if let Some(difference) = difference(&expected, &captured) {
+        panic!("{}, capture, {options:?}: {difference}", scene.name);
+    }
+}
+
+#[test]
+fn arrangements_do_not_change_the_pixels_of_shipped_scenes() {
+    on_device(None, |gpu| {
+        for scene in scenes::shipped() {
+            for (layout, tonemap) in every(Layout::ALL, Tonemap::ALL) {
+                check_variants(gpu, &scene, &Options { size: SIZE, layout, tonemap, ..Options::default() });
+            }
+        }
+    });
+}
+
+#[test]
+fn arrangements_do_not_change_the_pixels_of_any_kind_of_scene() {
+    on_device(None, |gpu| {
+        for scene in scenes::built() {
+            for (layout, output) in every(Layout::ALL, OutputFormat::ALL) {
+                check_variants(gpu, &scene, &Options { size: SIZE, layout, output, ..Options::default() });
+            }
+        }
+    });
+}
+
+#[test]
+fn arrangements_do_not_change_the_pixels_at_odd_sizes() {
+    on_device(None, |gpu| {
+        let scene = scenes::every_feature();
+        for (layout, size) in every(Layout::ALL, &[[127, 73], [1, 1], [1, 64]]) {
+            check_variants(gpu, &scene, &Options { size, layout, ..Options::default() });
+        }
+    });
+}
+
+#[test]
+fn output_formats_hold_the_same_picture() {
+    /// Steps of 8 bits between what a driver encodes as sRGB and the exact encoding of the float picture: Vulkan lets
+    /// it round to either neighbour.
+    const ENCODING_STEPS: u8 = 1;
+    on_device(None, |gpu| {
+        for scene in scenes::built() {
+            let picture = |output| {
+                let options = Options { size: SIZE, output, ..Options::default() };
+                gpu.picture(&scene, gpu.plan(&scene, options), 0.0)
+            };
+            let rgba = picture(OutputFormat::Rgba8Srgb);
+            assert_eq!(difference(&rgba, &picture(OutputFormat::Bgra8Srgb)), None, "{}", scene.name);
+            let encoded = picture(OutputFormat::Rgba32Float).to_srgb8();
+            let [Pixels::Rgba8(a), Pixels::Rgba8(b)] = [&rgba.pixels, &encoded.pixels] else {
+                unreachable!()
+            };
+            let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max();
+            assert!(most <= Some(ENCODING_STEPS), "{}: {most:?} steps", scene.name);
+        }
+    });
+}
+
+/// Renders one frame a slot, all on the GPU at once, each with an exposure of its own.
+fn pictures_in_flight(gpu: &Gpu<'_>, scene: &Scene, plan: Plan, exposures_ev: &[f32]) -> Vec<Picture> {
+    let config = RendererConfig { frames_in_flight: exposures_ev.len(), ..RendererConfig::default() };
+    let device = gpu.device();
+    let mut renderer = Renderer::new(device, scene, plan, config, gpu.cache()).unwrap();
+    Commands::run(device, "upload", |recorder| {
+        renderer.record_upload(recorder);
+        Ok(())
+    })
+    .unwrap();
+    renderer.finish_upload();
+    let size = renderer.plan().options.size;
+    let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
+        | vk::ImageUsageFlags::INPUT_ATTACHMENT
+        | vk::ImageUsageFlags::TRANSFER_SRC;
+    let format = vk::Format::R8G8B8A8_SRGB;
+    let image = |_| Image::new(device, &ImageDesc::new("output", format, size, usage)).unwrap();
+    let images: Vec<_> = exposures_ev.iter().map(image).collect();
+    let outputs: Vec<_> = images.iter().map(|i| OutputImage { image: i.raw(), view: i.view() }).collect();
+    let target = renderer.create_target(&outputs).unwrap();
+
+    let frame = |(slot, &exposure_ev)| {
+        let readback = Readback::new(device, format, size).unwrap();
+        let mut commands = Commands::new(device, "frame").unwrap();
+        let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+        commands
+            .record(|recorder| {
+                let view = View { camera: &scene.cameras[0], exposure_ev };
+                renderer.record(recorder, slot, &target, slot, &view);
+                readback.record(recorder, &images[slot], 0, layout, layout)
+            })
+            .unwrap();
+        (commands, readback)
+    };
+    let mut frames: Vec<_> = exposures_ev.iter().enumerate().map(frame).collect();
+    frames.iter_mut().for_each(|(commands, _)| commands.submit().unwrap());
+    frames.iter_mut().for_each(|(commands, _)| commands.wait().unwrap());
+    let picture = |(_, readback): &(Commands, Readback)| Picture {
+        width: size[0],
+        height: size[1],
+        pixels: Pixels::Rgba8(readback.texels().to_vec()),
+    };
+    frames.iter().map(picture).collect()
+}
+
+#[test]
+fn frames_in_flight_are_independent() {
+    const EXPOSURES_EV: [f32; 3] = [0.0, -1.5, 1.0];
+    on_device(None, |gpu| {
+        let scene = scenes::every_feature();
+        for (layout, strategy) in every(Layout::ALL, Strategy::ALL) {
+            let plan = gpu.plan(&scene, Options { size: SIZE, layout, strategy, ..Options::default() });
+            let alone = EXPOSURES_EV.map(|ev| gpu.picture(&scene, plan.clone(), ev));
+            let in_flight = pictures_in_flight(gpu, &scene, plan, &EXPOSURES_EV);
+            for (slot, picture) in in_flight.iter().enumerate() {
+                for (other, expected) in alone.iter().enumerate() {
+                    // A slot that took another's exposure would show that one's picture.
+                    let same = difference(expected, picture).is_none();
+                    assert_eq!(
+                        same,
+                        slot == other,
+                        "{layout}, {strategy}: slot {slot} against frame {other}"
+                    );
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn a_frame_leaves_nothing_to_the_next() {
+    on_device(None, |gpu| {
+        let scene = scenes::every_feature();
+        for (layout, strategy) in every(Layout::ALL, Strategy::ALL) {
+            let plan = gpu.plan(&scene, Options { size: SIZE, layout, strategy, ..Options::default() });
+            let mut offscreen = gpu.offscreen(&scene, plan, RendererConfig::default());
+            let mut turned = scene.cameras[0].clone();
+            turned.world_from_view *= ontile::glam::Mat4::from_rotation_z(0.5);
+            let mut render = |camera| {
+                offscreen.render(&View { camera, exposure_ev: 0.0 }).unwrap();
+                offscreen.picture()
+            };
+            let first = render(&scene.cameras[0]);
+            assert!(difference(&first, &render(&turned)).is_some(), "the camera does not matter");
+            assert_eq!(difference(&first, &render(&scene.cameras[0])), None, "{layout}, {strategy}");
+        }
+    });
+}
+
+/// A mistake in a plan that the comparison must see.
+type Fault = (&'static str, Strategy, fn(&mut Plan));
+
+const FAULTS: [Fault; 6] = [
+    ("input attachments swapped in one pass", Strategy::Subpasses, |plan| swap_inputs(plan)),
+    ("input attachments swapped in separate passes", Strategy::Separate, |plan| swap_inputs(plan)),
+    ("G-buffer cleared instead of loaded", Strategy::Separate, |plan| clear_loaded(plan, "normal_roughness")),
+    ("light cleared instead of loaded", Strategy::Separate, |plan| clear_loaded(plan, "light")),
+    ("two live resources in one attachment", Strategy::Subpasses, |plan| {
+        let lighting = &mut stage(plan, "lighting").inputs;
+        lighting[2] = lighting[1];
+    }),
+    ("light replaced instead of added to", Strategy::Subpasses, |plan| stage(plan, "lighting").blend = false),
+];
+
+fn stage<'a>(plan: &'a mut Plan, name: &str) -> &'a mut ontile::plan::Subpass {
+    plan.passes.iter_mut().flat_map(|p| &mut p.subpasses).find(|s| s.name == name).expect("the stage exists")
+}
+
+fn swap_inputs(plan: &mut Plan) {
+    stage(plan, "lighting").inputs.swap(1, 2);
+}
+
+fn clear_loaded(plan: &mut Plan, name: &str) {
+    let index = plan.attachments.iter().position(|a| a.name == name).expect("the attachment exists");
+    let mut uses = plan.passes.iter_mut().flat_map(|p| &mut p.attachments);
+    uses.find(|a| a.attachment == index && a.load == Load::Load).expect("it is loaded").load = Load::Clear;
+}
+
+#[test]
+fn a_wrong_arrangement_is_seen() {
+    on_device_with_faults(|gpu| {
+        let scene = scenes::every_feature();
+        for (layout, (name, strategy, fault)) in every(Layout::ALL, &FAULTS) {
+            let options = Options { size: SIZE, layout, ..Options::default() };
+            let expected = gpu.picture(&scene, gpu.plan(&scene, options.clone()), 0.0);
+            let mut plan = gpu.plan(&scene, Options { strategy, ..options });
+            assert_eq!(difference(&expected, &gpu.picture(&scene, plan.clone(), 0.0)), None, "sound: {name}");
+            fault(&mut plan);
+            assert!(
+                difference(&expected, &gpu.picture(&scene, plan, 0.0)).is_some(),
+                "{layout}: not seen: {name}"
+            );
+        }
+    });
+}

@@ -1,0 +1,198 @@
+//! Plans as they are printed, against files that people have read, and figures that were derived by hand.
+
+mod common;
+
+use common::expected::Expected;
+use common::scenes;
+use ontile::plan::{Layout, Limits, Needs, Options, OutputFormat, Plan, Strategy};
+use ontile::scene::Scene;
+
+fn plan(scene: &Scene, options: Options) -> Plan {
+    Plan::new(Needs::of(scene), options, &Limits::default()).unwrap_or_else(|e| panic!("{}: {e}", scene.name))
+}
+
+fn separate() -> Options {
+    Options { strategy: Strategy::Separate, ..Options::default() }
+}
+
+/// The first line that differs.
+fn difference(expected: &str, actual: &str) -> Option<String> {
+    if expected == actual {
+        return None;
+    }
+    let lines = expected.lines().zip(actual.lines()).enumerate().find(|(_, (e, a))| e != a);
+    Some(match lines {
+        Some((i, (e, a))) => format!("line {}:\n  expected {e}\n  actual   {a}", i + 1),
+        None => format!("{} lines expected, {} printed", expected.lines().count(), actual.lines().count()),
+    })
+}
+
+/// Every snapshot's name and text.
+fn printed() -> Vec<(String, String)> {
+    let features = scenes::every_feature();
+    let lights = scenes::lights_only();
+    let default = Options::default;
+    let mut plans = vec![
+        ("lit".to_owned(), plan(&lights, default())),
+        ("lit_no_fold".into(), plan(&lights, Options { fold: false, ..default() })),
+        ("emissive".into(), plan(&scenes::emissive(), default())),
+        ("emissive_separate".into(), plan(&scenes::emissive(), separate())),
+        ("every_feature_exact".into(), plan(&features, Options { layout: Layout::Exact, ..default() })),
+        ("every_feature_no_recycle".into(), plan(&features, Options { recycle: false, ..default() })),
+        (
+            "every_feature_output_not_input".into(),
+            plan(&features, Options { output_is_input_attachment: false, ..default() }),
+        ),
+        ("every_feature_kept".into(), plan(&features, Options { keep_gbuffer: true, ..default() })),
+        ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
+        ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),
+    ];
+    for scene in scenes::shipped() {
+        for &strategy in Strategy::ALL {
+            let name = format!("shipped_{}_{strategy}", scene.name);
+            plans.push((name, plan(&scene, Options { strategy, ..default() })));
+        }
+    }
+    plans.into_iter().map(|(name, plan)| (format!("{name}.txt"), plan.to_string())).collect()
+}
+
+#[test]
+fn plans_print_as_expected() {
+    let mut expected = Expected::in_folder("plans");
+    let printed = printed();
+    for (name, text) in &printed {
+        expected.check(name, text.as_bytes(), |file| difference(&String::from_utf8_lossy(file), text));
+    }
+    expected.nothing_else(&printed.into_iter().map(|(name, _)| name).collect::<Vec<_>>());
+    expected.finish();
+}
+
+#[test]
+fn missing_changed_and_rewritten_files_fail() {
+    let folder = tempfile::tempdir().unwrap();
+    let problems = |update, text: &str| {
+        let mut expected = Expected::new(folder.path(), update);
+        expected.check("a.txt", text.as_bytes(), |file| difference(&String::from_utf8_lossy(file), text));
+        expected.problems().join("\n")
+    };
+    assert!(problems(false, "one\ntwo\n").contains("ONTILE_UPDATE"), "a missing file passes");
+    assert!(!folder.path().join("a.txt").exists(), "a missing file is written without being asked");
+    assert!(problems(true, "one\ntwo\n").contains("rewritten"), "the run that writes a file passes");
+    assert_eq!(problems(false, "one\ntwo\n"), "");
+    assert!(problems(false, "one\n2\n").contains("line 2"), "a changed line passes");
+    assert!(problems(false, "one\n").contains("2 lines expected"), "a cut file passes");
+    assert!(problems(true, "one\n").contains("rewritten"));
+    assert_eq!(problems(true, "one\n"), "", "an update that changes nothing fails");
+    let mut expected = Expected::new(folder.path(), false);
+    expected.nothing_else(&["b.txt".into()]);
+    assert!(expected.problems()[0].contains("a.txt"), "a file that nothing expects passes");
+}
+
+/// Passes, subpasses, bytes loaded and stored a pixel, colour bits at most on the tile.
+fn totals(plan: &Plan) -> [u32; 5] {
+    let traffic: Vec<_> = (0..plan.attachments.len()).map(|a| plan.traffic(a)).collect();
+    let sum = |way: usize| traffic.iter().map(|t| t[way]).sum();
+    let subpasses = || plan.passes.iter().flat_map(|p| &p.subpasses);
+    let bits = subpasses().map(|s| s.live_color_bits).max().unwrap_or(0);
+    [plan.passes.len() as u32, subpasses().count() as u32, sum(0), sum(1), bits]
+}
+
+#[test]
+fn totals_are_those_derived_by_hand() {
+    let emissive = scenes::emissive();
+    let lit = scenes::lights_only();
+    let unlit = scenes::wholly_unlit();
+
+    // One pass. The tile holds depth, normal+roughness, base+metallic, which is the output's image too, and light:
+    // 4 * 32 bits. Only the output's 4 bytes leave it.
+    assert_eq!(totals(&plan(&emissive, Options::default())), [1, 3, 0, 4, 128]);
+    // The output has an attachment of its own, but it is written last, when only light is left: still 4 * 32 bits live.
+    assert_eq!(totals(&plan(&emissive, Options { recycle: false, ..Options::default() })), [1, 3, 0, 4, 128]);
+    // Folded: depth, normal+roughness and base+metallic are read while the output is written: 4 * 32 bits. No light.
+    assert_eq!(totals(&plan(&lit, Options::default())), [1, 2, 0, 4, 128]);
+    // Nothing but the output.
+    assert_eq!(totals(&plan(&unlit, Options::default())), [1, 1, 0, 4, 32]);
+    // A float output is 16 bytes and cannot be base+metallic's image: 3 * 32 + 32 of light at most before tonemap,
+    // then light and output: 32 + 128.
+    let float = Options { output: OutputFormat::Rgba32Float, ..Options::default() };
+    assert_eq!(totals(&plan(&emissive, float)), [1, 3, 0, 16, 160]);
+    // exact: depth 32, normal+roughness 128, base+metallic 128, light 128; the output comes when only light is left.
+    let exact = Options { layout: Layout::Exact, ..Options::default() };
+    assert_eq!(totals(&plan(&emissive, exact)), [1, 3, 0, 4, 416]);
+
+    // geometry stores depth, normal+roughness, base+metallic and light: 4 * 4 = 16 bytes; lighting loads those 16 and
+    // stores light, 4; tonemap loads light, 4, and stores the output, 4. Loads 16 + 4, stores 16 + 4 + 4. The depth
+    // test ends with geometry.
+    assert_eq!(totals(&plan(&emissive, separate())), [3, 3, 20, 24, 128]);
+    // Folded: geometry stores 3 * 4 = 12; lighting loads them and stores the output, 4.
+    assert_eq!(totals(&plan(&lit, separate())), [2, 2, 12, 16, 128]);
+    // exact: geometry stores 4 + 16 + 16 + 16 = 52; lighting loads 52 and stores light, 16; tonemap loads 16, stores 4.
+    let exact = Options { layout: Layout::Exact, ..separate() };
+    assert_eq!(totals(&plan(&emissive, exact)), [3, 3, 68, 72, 416]);
+}
+
+#[test]
+fn a_wrong_operation_changes_the_totals() {
+    use ontile::plan::{Load, Store};
+    let mut broken = plan(&scenes::emissive(), Options::default());
+    let attachment = broken.passes[0].attachments.iter_mut().find(|a| a.store == Store::DontCare).unwrap();
+    attachment.store = Store::Store;
+    assert_eq!(totals(&broken), [1, 3, 0, 8, 128]);
+    let mut broken = plan(&scenes::emissive(), separate());
+    let mut attachments = broken.passes[2].attachments.iter_mut();
+    attachments.find(|a| a.load == Load::Load).unwrap().load = Load::Clear;
+    assert_eq!(totals(&broken), [3, 3, 16, 24, 128]);
+}
+
+#[test]
+fn recycling_keeps_the_pass_at_128_declared_bits() {
+    let declared = |recycle| {
+        let plan = plan(&scenes::every_feature(), Options { recycle, ..Options::default() });
+        let colors = plan.attachments.iter().filter(|a| !a.format.is_depth());
+        colors.map(|a| a.format.bits()).sum::<u32>()
+    };
+    assert_eq!(declared(true), 128);
+    assert_eq!(declared(false), 160);
+}
+
+#[test]
+fn a_plan_has_no_more_than_the_scene_needs() {
+    let names =
+        |plan: &Plan| -> Vec<_> { plan.passes.iter().flat_map(|p| &p.subpasses).map(|s| s.name).collect() };
+    let unlit = plan(&scenes::one_unlit_triangle(), Options::default());
+    assert_eq!(names(&unlit), ["geometry"]);
+    assert_eq!(unlit.attachments.len(), 1, "one triangle needs no depth test");
+    let lit = plan(&scenes::lights_only(), Options::default());
+    assert_eq!(names(&lit), ["geometry", "lighting"]);
+    assert!(lit.attachments.iter().all(|a| a.name != "light"));
+    let emissive = plan(&scenes::emissive(), Options::default());
+    assert_eq!(names(&emissive), ["geometry", "lighting", "tonemap"]);
+    assert!(emissive.attachments.iter().any(|a| a.name == "light"));
+}
+
+#[test]
+fn same_needs_options_and_limits_give_the_same_plan() {
+    for scene in scenes::built() {
+        for &strategy in Strategy::ALL {
+            let options = Options { strategy, ..Options::default() };
+            let [a, b] = [(); 2].map(|()| plan(&scene.clone(), options.clone()));
+            assert_eq!(a, b, "{}", scene.name);
+            assert_eq!(a.to_string(), b.to_string(), "{}", scene.name);
+        }
+    }
+}
+
+#[test]
+fn dither_needs_an_output_that_is_rounded() {
+    for &output in OutputFormat::ALL {
+        let options = Options { dither: true, output, ..Options::default() };
+        let made = Plan::new(Needs::of(&scenes::lights_only()), options, &Limits::default());
+        match output {
+            OutputFormat::Rgba8Srgb | OutputFormat::Bgra8Srgb => assert!(made.is_ok(), "{output}"),
+            OutputFormat::Rgba16Float | OutputFormat::Rgba32Float => {
+                let error = made.unwrap_err().to_string();
+                assert!(error.contains(output.name()) && error.contains("PNG"), "{error}");
+            }
+        }
+    }
+}

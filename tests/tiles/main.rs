@@ -1,0 +1,241 @@
+//! Whether a frame stays on the tile, as a tiler's own driver sees it: Mesa's Turnip (Adreno) lays out the tiles of each
+//! plan and says what it loads, stores and commits, and the Khronos validation layer of 1.4 watches. Plans that are
+//! spoilt on purpose must be found out by the same judge.
+//!
+//! The driver has its own libc, so each frame is a process: this executable, told to run [`child_renders`] only.
+
+mod child;
+#[path = "../common/mod.rs"]
+mod common;
+
+use child::{Case, Content, Fault, Told};
+use common::turnip::Turnip;
+use ontile::measure::tiler::{TilerTrace, Verdict};
+use ontile::plan::{Layout, Strategy};
+use serde_json::Value;
+use std::{path::Path, thread};
+
+/// Three generations: Adreno 6xx of two sizes of tile memory, and 7xx.
+const GPUS: [u32; 3] = [630, 660, 740];
+
+/// What the final image needs: 8 bits in each of 4 channels.
+const OUTPUT_BYTES_PER_PIXEL: u32 = 4;
+
+const CASE: &str = "ONTILE_TILES_CASE";
+const TOLD: &str = "ONTILE_TILES_TOLD";
+
+#[test]
+#[ignore = "the other tests run it, each in a process on the driver"]
+fn child_renders() {
+    let (Ok(case), Some(told)) = (std::env::var(CASE), std::env::var_os(TOLD)) else { return };
+    serde_json::from_str::<Case>(&case).unwrap().run(Path::new(&told));
+}
+
+/// A frame on the driver.
+struct Frame {
+    trace: TilerTrace,
+    told: Told,
+}
+
+impl Frame {
+    fn of(turnip: &Turnip, gpu: u32, case: &Case) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let told = folder.path().join("told.json");
+        let mut command = turnip.command(gpu, &std::env::current_exe().unwrap());
+        command.args(["--ignored", "--exact", "child_renders", "--nocapture"]);
+        command.env(CASE, serde_json::to_string(case).unwrap()).env(TOLD, &told);
+        let trace = Turnip::trace(command).trace;
+        let told = std::fs::read(&told).unwrap_or_else(|e| panic!("{case:?} on {gpu} told nothing: {e}"));
+        Self { trace, told: serde_json::from_slice(&told).unwrap() }
+    }
+
+    /// Everything that speaks against the frame; empty for a good one.
+    fn objections(&self) -> Vec<String> {
+        let mut all = match self.trace.verdict(OUTPUT_BYTES_PER_PIXEL) {
+            Verdict::OnTile => Vec::new(),
+            Verdict::OffTile(reasons) => reasons,
+        };
+        all.extend(commitments(&self.told.report));
+        all.extend(self.told.messages.iter().map(|m| format!("validation: {m}")));
+        all
+    }
+
+    #[track_caller]
+    fn expect_objection(&self, wanted: &str) {
+        let all = self.objections();
+        assert!(all.iter().any(|o| o.contains(wanted)), "no '{wanted}' among {all:#?}");
+    }
+}
+
+/// What speaks against the memory of a report's attachments: all but the first, the output, have to be lazily
+/// allocated, and the driver has to say that nothing is behind them.
+fn commitments(report: &Value) -> Vec<String> {
+    let mut all = Vec::new();
+    for a in attachments(report).iter().skip(1) {
+        let name = &a["name"];
+        if a["transient"] != true {
+            all.push(format!("{name} is not transient"));
+        }
+        if a["lazily_allocated"] != true {
+            all.push(format!("{name} is not lazily allocated"));
+        }
+        let committed = &a["committed_bytes"];
+        if committed["value"] != 0.0 || committed["origin"] != "driver" {
+            all.push(format!("{name} commits {committed}"));
+        }
+    }
+    all
+}
+
+fn attachments(report: &Value) -> &[Value] {
+    report["attachments"].as_array().expect("a report lists attachments")
+}
+
+/// Runs one frame for each case and GPU, on as many threads as there are GPUs.
+fn frames(turnip: &Turnip, cases: &[Case], mut judge: impl FnMut(u32, &Case, &Frame)) {
+    for case in cases {
+        let run = |gpu| Frame::of(turnip, gpu, case);
+        let frames = thread::scope(|s| {
+            let all = GPUS.map(|gpu| s.spawn(move || run(gpu)));
+            all.map(|one| one.join().unwrap_or_else(|e| std::panic::resume_unwind(e)))
+        });
+        for (gpu, frame) in GPUS.into_iter().zip(&frames) {
+            judge(gpu, case, frame);
+        }
+    }
+}
+
+fn metallic(content: Content) -> Case {
+    Case::new(content, Layout::Metallic128)
+}
+
+fn spoilt(fault: Fault) -> Case {
+    Case { fault: Some(fault), ..metallic(Content::Emissive) }
+}
+
+#[test]
+fn one_pass_stays_on_the_tile() {
+    let Some(turnip) = Turnip::find() else { return };
+    let [emissive, lit, unlit] = [Content::Emissive, Content::Lit, Content::Unlit].map(metallic);
+    let exact = [Content::Emissive, Content::Lit].map(|content| Case::new(content, Layout::Exact));
+    let apart = Case { recycle: false, ..emissive };
+    let cases = [emissive, lit, unlit, exact[0], exact[1], apart];
+    frames(&turnip, &cases, |gpu, case, frame| {
+        assert_eq!(frame.objections(), Vec::<String>::new(), "{case:?} on {gpu}");
+
+        let report = &frame.told.report;
+        let totals = &report["totals"];
+        assert_eq!(totals["loaded_bytes_per_pixel"]["value"], 0.0);
+        assert_eq!(totals["stored_bytes_per_pixel"]["value"], f64::from(OUTPUT_BYTES_PER_PIXEL));
+        let subpasses = match case.content {
+            Content::Emissive => 3,
+            Content::Lit => 2,
+            Content::Unlit => 1,
+        };
+        assert_eq!((&totals["passes"], &totals["subpasses"]), (&1.into(), &subpasses.into()), "{case:?}");
+        let pass = &frame.trace.passes[0];
+        assert_eq!(pass.attachments as usize, attachments(report).len());
+        assert_eq!([pass.width_px, pass.height_px], child::SIZE);
+
+        let bits: u64 = attachments(report).iter().map(|a| a["bits"].as_u64().unwrap()).sum();
+        println!(
+            "Adreno {gpu}: {subpasses} subpasses, {}{}: {} bytes a pixel in all attachments, {} bins of {}x{}",
+            case.layout,
+            if case.recycle { "" } else { " not recycled" },
+            bits / 8,
+            pass.bins,
+            pass.bin_width_px,
+            pass.bin_height_px
+        );
+    });
+}
+
+#[test]
+fn stored_attachments_and_several_passes_are_found_out() {
+    let Some(turnip) = Turnip::find() else { return };
+    let separate = Case { strategy: Strategy::Separate, ..metallic(Content::Emissive) };
+    frames(&turnip, &[separate], |_, _, frame| {
+        frame.expect_objection("3 render passes instead of 1");
+        // Light, depth, normal and base colour at 4 bytes each; lighting adds to the light.
+        frame.expect_objection("pass 0: stores 16 bytes per pixel instead of 4");
+        frame.expect_objection("pass 1: loads 4 bytes per pixel instead of 0");
+        frame.expect_objection("\"normal_roughness\" is not transient");
+        // The vendors' checks are on.
+        frame.expect_objection(
+            "[Arm] [IMG]: Attachment 3 in render pass has begun with VK_ATTACHMENT_LOAD_OP_LOAD",
+        );
+    });
+    frames(&turnip, &[Fault::Stored, Fault::StoredInMemory].map(spoilt), |_, case, frame| {
+        frame.expect_objection("pass 0: stores 8 bytes per pixel instead of 4");
+        match case.fault {
+            Some(Fault::Stored) => frame.expect_objection("\"normal_roughness\" commits"),
+            _ => frame.expect_objection("\"normal_roughness\" is not lazily allocated"),
+        }
+    });
+}
+
+#[test]
+fn wrong_dependencies_are_found_out() {
+    let Some(turnip) = Turnip::find() else { return };
+    // What makes the driver give up tiling, which no validation sees: the picture stays right.
+    frames(&turnip, &[spoilt(Fault::NotByRegion)], |_, _, frame| {
+        frame.expect_objection("not tiled");
+        frame.expect_objection("Disabling gmem rendering");
+        frame.expect_objection("\"normal_roughness\" commits");
+        assert_eq!(frame.told.messages, Vec::<String>::new());
+    });
+    // What only validation sees: the driver tiles and does the wrong thing fast.
+    frames(&turnip, &[spoilt(Fault::StoreNotCovered)], |_, _, frame| {
+        frame.expect_objection("WRITE-AFTER-WRITE");
+    });
+    frames(&turnip, &[spoilt(Fault::DependencyDropped)], |_, _, frame| {
+        frame.expect_objection("SYNC-HAZARD");
+    });
+}
+
+/// Ordinary memory for a debugger's sake: the frame is tiled as before, but the memory is there.
+#[test]
+fn captured_frames_have_memory() {
+    let Some(turnip) = Turnip::find() else { return };
+    let case = Case { capture: true, ..metallic(Content::Emissive) };
+    frames(&turnip, &[case], |_, _, frame| {
+        assert_eq!(frame.trace.verdict(OUTPUT_BYTES_PER_PIXEL), Verdict::OnTile);
+        frame.expect_objection("\"normal_roughness\" is not lazily allocated");
+        frame.expect_objection("attachment-should-be-transient");
+    });
+}
+
+/// Queries around the frame and after each stage: no reason to leave the tile.
+#[test]
+fn queries_do_not_leave_the_tile() {
+    let Some(turnip) = Turnip::find() else { return };
+    let case = Case { stage_timestamps: true, ..metallic(Content::Emissive) };
+    frames(&turnip, &[case], |gpu, _, frame| {
+        assert!(frame.told.queries, "{gpu} has no queries to record");
+        assert_eq!(frame.objections(), Vec::<String>::new(), "on {gpu}");
+    });
+}
+
+/// The program on the scenes that are shipped with it.
+#[cfg(feature = "cli")]
+#[test]
+fn the_program_stays_on_the_tile() {
+    let Some(turnip) = Turnip::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (picture, report) = (folder.path().join("frame.png"), folder.path().join("frame.json"));
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let files = assets.read_dir().unwrap().map(|file| file.unwrap().path());
+    let scenes: Vec<_> = files.filter(|f| f.extension().is_some_and(|e| e == "glb")).collect();
+    assert!(!scenes.is_empty(), "no scene in {}", assets.display());
+    for scene in scenes {
+        let mut command = turnip.command(660, Path::new(env!("CARGO_BIN_EXE_ontile")));
+        command.arg("render").arg(&scene).arg("-o").arg(&picture).args(["--size", "1280x720", "--validate"]);
+        command.arg("--report").arg(&report).env("XDG_CACHE_HOME", folder.path());
+        // The program fails if the validation layer says anything.
+        let trace = Turnip::trace(command).trace;
+        assert_eq!(trace.verdict(OUTPUT_BYTES_PER_PIXEL), Verdict::OnTile, "{}", scene.display());
+        let report: Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
+        assert_eq!(commitments(&report), Vec::<String>::new(), "{}", scene.display());
+        assert_eq!(report["device"]["validation_messages"], serde_json::json!([]), "{}", scene.display());
+    }
+}
