@@ -30,15 +30,10 @@ fn sample(name: &str) -> Option<Scene> {
         |shared| PathBuf::from(shared).join("assets"),
     );
     let model = assets.join("models").join(name);
-    let found = [
-        format!("{name}.glb"),
-        format!("glTF-Binary/{name}.glb"),
-        format!("glTF/{name}.gltf"),
-        format!("{name}.gltf"),
-    ]
-    .map(|file| model.join(file))
-    .into_iter()
-    .find(|path| path.is_file());
+    let found = [format!("{name}.glb"), format!("{name}.gltf")]
+        .map(|file| model.join(file))
+        .into_iter()
+        .find(|path| path.is_file());
     load(&found.unwrap_or(model), ignored)
 }
 

@@ -210,7 +210,8 @@ pub fn materials() -> Scene {
                 EulerRot::XYZ,
                 FRAC_PI_2 - 0.03 * (row as f32 + 1.0),
                 0.0,
-                0.02 * (column as f32 - 3.0),
+                // Never 0: the code of a normal's component of 0 is a tie, 127.5.
+                0.02 * (column as f32 - 3.3),
             );
             let placement = Mat4::from_scale_rotation_translation(Vec3::splat(0.5), tilt, at);
             builder =
@@ -290,7 +291,8 @@ pub fn surfaces() -> Scene {
     };
     let mut scene =
         Builder::new("surfaces", cameras(Vec3::new(0.0, 2.0, 6.0), Vec3::new(0.0, 0.7, 0.0)), lights)
-            .add(floor(), material(Vec3::splat(0.5), 0.0, 0.8), big_floor())
+            // 0.5 would be the sRGB code 187.52, nearly a tie.
+            .add(floor(), material(Vec3::splat(0.52), 0.0, 0.8), big_floor())
             .add(sphere(), glow, on_floor(-2.4, 0.0, 0.6))
             .add(sphere(), unlit, on_floor(-1.0, 0.5, 0.4))
             .add(floor(), sheet.clone(), standing(Vec3::new(0.1, 0.7, 0.0), 0.5))
