@@ -85,7 +85,11 @@ fn surfaces_are_the_references() {
             let (rendered, gbuffer) = gpu.render_with_gbuffer(&scene, camera, Ask::EXACT);
             let expected = render(&scene, camera, &rendered.settings);
             let differences = compare(&scene, camera, &expected, &gbuffer, rendered.settings.light_scale);
-            println!("{}, {}: {differences:.1e?}", scene.name, camera.name);
+            let text = match &differences {
+                Ok(all) => all.map(|(name, value)| format!("{name} {value:.1e}")).join(", "),
+                Err(reason) => reason.clone(),
+            };
+            println!("{}, {}: {text}", scene.name, camera.name);
             if !differences.as_ref().is_ok_and(within) {
                 failed.push(format!("{}, {}: {differences:?}", scene.name, camera.name));
             }

@@ -6,6 +6,7 @@ mod common;
 
 mod error;
 mod exact;
+mod files;
 mod finite;
 mod gbuffer;
 mod gpu;

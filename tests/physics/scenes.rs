@@ -11,6 +11,22 @@ pub fn all() -> Vec<Scene> {
     vec![lights(), materials(), placements(), surfaces(), grazing(), orthographic_along_light()]
 }
 
+/// The same scene in a world that is turned as a whole: the picture stays, but no normal lies along an axis any more.
+pub fn turned(mut scene: Scene) -> Scene {
+    let turn = Mat4::from_euler(EulerRot::XYZ, 0.3, 0.5, 0.2);
+    for instance in &mut scene.instances {
+        instance.world_from_object = turn * instance.world_from_object;
+    }
+    for light in &mut scene.lights {
+        light.position_world = turn.transform_point3(light.position_world);
+        light.direction_world = turn.transform_vector3(light.direction_world).normalize();
+    }
+    for camera in &mut scene.cameras {
+        camera.world_from_view = turn * camera.world_from_view;
+    }
+    scene
+}
+
 fn camera(name: &str, eye: Vec3, target: Vec3, projection: Projection) -> Camera {
     let world_from_view = look_at_mat4(eye, target, Vec3::Y).inverse();
     Camera { name: name.into(), world_from_view, projection }
@@ -63,17 +79,23 @@ fn sphere() -> Mesh {
     mesh
 }
 
-/// A square of half extent 1 in the plane y = 0 that faces +Y.
+/// A square of half extent 1 in the plane y = 0 that faces +Y, in a few pieces: drivers warn of tiny draws.
 fn floor() -> Mesh {
-    Mesh {
-        name: "floor".into(),
-        positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
-            .map(|(x, z)| Vec3::new(x, 0.0, z))
-            .into(),
-        normals: vec![Vec3::Y; 4],
-        indices: vec![0, 1, 2, 0, 2, 3],
-        ..Mesh::default()
+    const CELLS: u32 = 4;
+    let mut mesh = Mesh { name: "floor".into(), ..Mesh::default() };
+    for row in 0..=CELLS {
+        for column in 0..=CELLS {
+            let at = |i: u32| i as f32 * 2.0 / CELLS as f32 - 1.0;
+            mesh.positions.push(Vec3::new(at(column), 0.0, at(row)));
+            if row < CELLS && column < CELLS {
+                let a = row * (CELLS + 1) + column;
+                let b = a + CELLS + 1;
+                mesh.indices.extend([a, b, a + 1, a + 1, b, b + 1]);
+            }
+        }
     }
+    mesh.normals = vec![Vec3::Y; mesh.positions.len()];
+    mesh
 }
 
 /// The floor's square, standing: it faces +Z.
@@ -187,8 +209,9 @@ pub fn materials() -> Scene {
             let tilt = Quat::from_euler(
                 EulerRot::XYZ,
                 FRAC_PI_2 - 0.03 * (row as f32 + 1.0),
-                0.02 * (column as f32 - 3.0),
                 0.0,
+                // Never 0: the code of a normal's component of 0 is a tie, 127.5.
+                0.02 * (column as f32 - 3.3),
             );
             let placement = Mat4::from_scale_rotation_translation(Vec3::splat(0.5), tilt, at);
             builder =
@@ -268,7 +291,8 @@ pub fn surfaces() -> Scene {
     };
     let mut scene =
         Builder::new("surfaces", cameras(Vec3::new(0.0, 2.0, 6.0), Vec3::new(0.0, 0.7, 0.0)), lights)
-            .add(floor(), material(Vec3::splat(0.5), 0.0, 0.8), big_floor())
+            // 0.5 would be the sRGB code 187.52, nearly a tie.
+            .add(floor(), material(Vec3::splat(0.52), 0.0, 0.8), big_floor())
             .add(sphere(), glow, on_floor(-2.4, 0.0, 0.6))
             .add(sphere(), unlit, on_floor(-1.0, 0.5, 0.4))
             .add(floor(), sheet.clone(), standing(Vec3::new(0.1, 0.7, 0.0), 0.5))

@@ -1,6 +1,6 @@
 //! Textured scenes: filtering is the driver's own, so the reference shades what the GPU's `exact` G-buffer holds.
 
-use ontile::glam::{Mat4, Vec2, Vec3};
+use ontile::glam::{DVec3, Mat4, Vec2, Vec3};
 use ontile::reference::shade_gbuffer;
 use ontile::scene::{Image, Material, Mesh, Sampler, Scene, Texture, TextureRef};
 
@@ -70,11 +70,29 @@ fn with_texcoords(mesh: Mesh) -> Mesh {
     Mesh { texcoords: [first, second], tangents, ..mesh }
 }
 
+/// Leaves the factors only.
+pub fn without_textures(scene: &mut Scene) {
+    for material in &mut scene.materials {
+        *material = Material {
+            base_color_texture: None,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            occlusion_texture: None,
+            emissive_texture: None,
+            ..material.clone()
+        };
+    }
+}
+
 /// The GPU's picture against what the reference makes of the GPU's G-buffer.
-fn compare(gpu: &Gpu, scene: &Scene, reference: &Scene) -> Vec<(String, Errors)> {
+pub fn compare(gpu: &Gpu, scene: &Scene, reference: &Scene) -> Vec<(String, Errors)> {
     let compare = |camera| {
         let (rendered, gbuffer) = gpu.render_with_gbuffer(scene, camera, Ask::EXACT);
-        let frame = shade_gbuffer(reference, camera, &rendered.settings, &gbuffer);
+        let mut frame = shade_gbuffer(reference, camera, &rendered.settings, &gbuffer);
+        for pixel in &mut frame.pixels {
+            // Nothing clears the depth of pixels that no surface covers: it does not tell them.
+            pixel.covered = pixel.attributes.lit || pixel.attributes.prelit != DVec3::ZERO;
+        }
         // No edges: every pixel shades what it holds.
         let errors = Errors::of_display(&frame, &rendered.light());
         (format!("{}, {}", scene.name, camera.name), errors)
