@@ -110,8 +110,8 @@ impl Offscreen {
                 "make a plan with `keep_gbuffer` that has it",
             ));
         };
-        let uses = plan.passes.iter().flat_map(|p| &p.attachments).filter(|a| a.attachment == index);
-        let layout = uses.last().map_or(vk::ImageLayout::UNDEFINED, |a| conv::layout(a.last));
+        let mut uses = plan.passes.iter().flat_map(|p| &p.attachments).filter(|a| a.attachment == index);
+        let layout = uses.next_back().map_or(vk::ImageLayout::UNDEFINED, |a| conv::layout(a.last));
         let readback = Readback::new(self.renderer.device(), image.format(), image.size())?;
         Commands::run(self.renderer.device(), "read attachment", |recorder| {
             readback.record(recorder, image, 0, layout, layout)
