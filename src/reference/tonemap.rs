@@ -133,7 +133,9 @@ mod tests {
         let blue = tonemap_aces(DVec3::new(0.0, 0.0, 1.0));
         let v = [0.04823, 0.01566, 0.83777]
             .map(|v: f64| (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081));
-        assert!((blue.x - (1.60475 * v[0] - 0.53108 * v[1] - 0.07367 * v[2])).abs() < 1e-12);
+        assert!((blue.z - (1.07602 * v[2] - 0.00327 * v[0] - 0.07276 * v[1])).abs() < 1e-12);
+        // Redder than Rec.709 can show: less than none.
+        assert!(1.60475 * v[0] - 0.53108 * v[1] - 0.07367 * v[2] < 0.0 && blue.x == 0.0);
         assert!(blue.z > blue.x && blue.z > blue.y);
     }
 
@@ -141,7 +143,7 @@ mod tests {
     fn curves_rise_and_stay_in_range() {
         /// Hill's fit tends to 1 / 0.983729, and passes 0 where x² + 0.0245786 x = 0.000090537.
         const ACES_MOST: f64 = 1.0166;
-        const ACES_BLACK: f64 = 0.00325;
+        const ACES_BLACK: f64 = 0.003_253_1;
         for curve in [Tonemap::Neutral, Tonemap::Reinhard, Tonemap::Aces] {
             let (black, most) = if curve == Tonemap::Aces { (ACES_BLACK, ACES_MOST) } else { (0.0, 1.0) };
             let mut previous = 0.0;

@@ -101,7 +101,8 @@ fn surfaces_are_the_references() {
 
 #[test]
 fn every_fault_is_caught() {
-    const FAULTS: &[(&str, fn(&mut Scene))] = &[
+    type Fault = (&'static str, fn(&mut Scene));
+    const FAULTS: &[Fault] = &[
         ("moved by 2 mm", |s| s.instances[0].world_from_object.w_axis.y += 2e-3),
         ("normal axes swapped", |s| {
             for normal in s.meshes.iter_mut().flat_map(|m| &mut m.normals) {

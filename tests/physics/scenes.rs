@@ -49,6 +49,7 @@ fn light(kind: LightKind, color: Vec3, position_world: Vec3, target: Vec3, range
     Light { name: "light".into(), color, kind, position_world, direction_world, range_m }
 }
 
+/// Base colours of 0.5 are avoided: that is the sRGB code 187.52, nearly a tie.
 fn material(base: Vec3, metallic: f32, roughness: f32) -> Material {
     Material {
         base_color_factor: base.extend(1.0),
@@ -180,7 +181,7 @@ pub fn lights() -> Scene {
     ];
     Builder::new("lights", cameras(Vec3::new(0.0, 2.4, 6.0), Vec3::new(0.0, 0.6, 0.0)), lights)
         .add(floor(), material(Vec3::new(0.7, 0.65, 0.6), 0.0, 0.6), big_floor())
-        .add(floor(), material(Vec3::new(0.5, 0.6, 0.7), 0.0, 0.9), wall(Vec3::new(0.0, 2.0, -3.0), 5.0))
+        .add(floor(), material(Vec3::new(0.52, 0.6, 0.7), 0.0, 0.9), wall(Vec3::new(0.0, 2.0, -3.0), 5.0))
         .add(sphere(), material(Vec3::new(0.9, 0.9, 0.9), 0.0, 0.5), on_floor(-1.2, 0.0, 0.6))
         .add(sphere(), material(Vec3::new(1.0, 0.8, 0.4), 1.0, 0.5), on_floor(0.3, 0.3, 0.5))
         .add(sphere(), material(Vec3::new(0.2, 0.3, 0.9), 0.5, 0.4), on_floor(1.6, -0.4, 0.7))
@@ -215,7 +216,7 @@ pub fn materials() -> Scene {
             );
             let placement = Mat4::from_scale_rotation_translation(Vec3::splat(0.5), tilt, at);
             builder =
-                builder.add(floor(), material(Vec3::new(0.9, 0.5, 0.3), metallic, roughness), placement);
+                builder.add(floor(), material(Vec3::new(0.9, 0.52, 0.3), metallic, roughness), placement);
             let sphere_at = at + Vec3::new(0.0, 0.0, 0.3);
             let placement = Mat4::from_translation(sphere_at) * Mat4::from_scale(Vec3::splat(0.35));
             builder =
@@ -283,15 +284,14 @@ pub fn surfaces() -> Scene {
     let mut masked = floor();
     masked.colors = masked.positions.iter().map(|p| Vec4::new(1.0, 0.8, 0.6, p.x * 0.5 + 0.5)).collect();
     let glow = Material { emissive_factor: Vec3::new(0.3, 0.8, 0.1), ..material(Vec3::splat(0.4), 0.0, 0.7) };
-    let unlit = Material { unlit: true, ..material(Vec3::new(0.2, 0.5, 0.8), 0.0, 0.5) };
-    let sheet = Material { double_sided: true, ..material(Vec3::new(0.8, 0.7, 0.2), 0.2, 0.5) };
+    let unlit = Material { unlit: true, ..material(Vec3::new(0.25, 0.52, 0.8), 0.0, 0.5) };
+    let sheet = Material { double_sided: true, ..material(Vec3::new(0.8, 0.7, 0.25), 0.2, 0.5) };
     let mask = Material { alpha_mode: AlphaMode::Mask { cutoff: 0.4 }, ..sheet.clone() };
     let standing = |at: Vec3, turn: f32| {
         Mat4::from_translation(at) * Mat4::from_rotation_y(turn) * wall(Vec3::ZERO, 0.6)
     };
     let mut scene =
         Builder::new("surfaces", cameras(Vec3::new(0.0, 2.0, 6.0), Vec3::new(0.0, 0.7, 0.0)), lights)
-            // 0.5 would be the sRGB code 187.52, nearly a tie.
             .add(floor(), material(Vec3::splat(0.52), 0.0, 0.8), big_floor())
             .add(sphere(), glow, on_floor(-2.4, 0.0, 0.6))
             .add(sphere(), unlit, on_floor(-1.0, 0.5, 0.4))
@@ -342,7 +342,7 @@ pub fn orthographic_along_light() -> Scene {
     Builder::new("along light", vec![look("from the light", 0.0), look("towards the light", 1.0)], vec![sun])
         .add(
             sphere(),
-            material(Vec3::new(0.9, 0.5, 0.2), 0.0, 0.3),
+            material(Vec3::new(0.9, 0.52, 0.25), 0.0, 0.3),
             Mat4::from_translation(Vec3::new(-1.5, 0.0, 0.0)),
         )
         .add(
@@ -350,6 +350,6 @@ pub fn orthographic_along_light() -> Scene {
             material(Vec3::splat(0.8), 1.0, 0.6),
             Mat4::from_translation(Vec3::new(1.5, 0.8, 0.0)) * Mat4::from_scale(Vec3::splat(0.8)),
         )
-        .add(floor(), both(material(Vec3::splat(0.5), 0.0, 0.0)), wall(Vec3::new(1.5, -1.0, 0.0), 0.6))
+        .add(floor(), both(material(Vec3::splat(0.52), 0.0, 0.0)), wall(Vec3::new(1.5, -1.0, 0.0), 0.6))
         .0
 }

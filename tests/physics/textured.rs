@@ -114,7 +114,8 @@ fn what_the_gbuffer_holds_is_shaded_as_the_reference_does() {
 
 #[test]
 fn every_fault_is_caught() {
-    const FAULTS: &[(&str, fn(&mut Scene))] = &[
+    type Fault = (&'static str, fn(&mut Scene));
+    const FAULTS: &[Fault] = &[
         ("pi off by 1 %", |s| s.lights.iter_mut().for_each(|l| l.color *= 1.01)),
         ("a light moved by 5 cm", |s| s.lights[1].position_world.x += 0.05),
         ("a light forgotten", |s| drop(s.lights.pop())),
