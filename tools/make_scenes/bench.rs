@@ -37,7 +37,7 @@ pub fn glb(options: &Options) -> Vec<u8> {
         let height_m = 0.9 + 0.8 * pick(i, 9);
         glb.light(Light { name: "light", color: hue(i), kind }, Pose::at(x_m, height_m, z_m));
     }
-    glb.perspective("main", 50.0, Pose::looking(Vec3::new(0.0, 10.5, 19.0), Vec3::new(0.0, -0.5, 1.0)));
+    glb.perspective("main", 46.0, Pose::looking(Vec3::new(0.0, 13.0, 19.5), Vec3::new(0.0, 0.0, 1.4)));
     glb.finish("bench")
 }
 

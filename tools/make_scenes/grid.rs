@@ -60,7 +60,8 @@ fn room(glb: &mut Glb) {
     let matt = |name, hex| Material { name, base_color: linear(hex), ..Material::default() };
     let mut slab = |name, hex, size_m: [f32; 3], center_m: &[[f32; 3]]| {
         let size_m = Vec3::from(size_m);
-        let bevel_m = 0.2 * size_m.min_element().min(0.06);
+        // Only the shelves show their edges.
+        let bevel_m = if size_m.min_element() < 0.1 { 0.01 } else { 0.0 };
         let geometry = glb.geometry(&cuboid(size_m, bevel_m).untextured());
         let material = glb.material(&matt(name, hex));
         let mesh = glb.mesh(name, &[(&geometry, material)]);
@@ -78,17 +79,17 @@ fn room(glb: &mut Glb) {
 }
 
 fn lights(glb: &mut Glb) {
-    let sun = LightKind::Directional { illuminance_lx: 1.9 };
+    let sun = LightKind::Directional { illuminance_lx: 2.7 };
     let sun = Light { name: "sun", color: Vec3::new(1.0, 0.96, 0.9), kind: sun };
     glb.light(sun, Pose::looking(Vec3::new(-0.75, 0.9, 1.25), Vec3::ZERO));
     let colored = [
         ("warm light", Vec3::new(1.0, 0.62, 0.3), [-4.3, 4.9, 2.0]),
-        ("rose light", Vec3::new(1.0, 0.35, 0.5), [4.5, 1.2, 2.0]),
+        ("rose light", Vec3::new(1.0, 0.45, 0.55), [4.5, 1.0, 2.0]),
         ("blue light", Vec3::new(0.35, 0.55, 1.0), [4.3, 5.2, 2.2]),
         ("green light", Vec3::new(0.4, 1.0, 0.65), [-4.4, 0.9, 2.2]),
     ];
     for (name, color, [x, y, z]) in colored {
-        let kind = LightKind::Point { intensity_cd: 12.0, range_m: 7.0 };
+        let kind = LightKind::Point { intensity_cd: 10.0, range_m: 7.0 };
         glb.light(Light { name, color, kind }, Pose::at(x, y, z));
     }
     let middle = Vec3::new(0.0, height_m(ROWS / 2), 0.0);

@@ -46,7 +46,7 @@ fn room(glb: &mut Glb) {
     let wood = Material { base_color: linear(0x9a6440), roughness: 0.42, ..Material::default() };
     let top = lathe(
         &points([(0.0, -0.05), (1.08, -0.05), (1.1, -0.03), (1.1, -0.02), (1.08, 0.0), (0.0, 0.0)]),
-        64,
+        48,
         1.0,
     );
     place(glb, "table", top, &wood, Pose::at(0.0, TABLE_M, 0.0));
@@ -93,7 +93,7 @@ fn table_lamp(glb: &mut Glb) {
         ..Material::default()
     };
     place(glb, "lamp globe", lathe(&profile, 32, 1.0), &glow, at);
-    let ring = lathe(&round_profile(Vec2::new(0.172, 0.5), 0.012, 8), 40, 1.0);
+    let ring = lathe(&round_profile(Vec2::new(0.172, 0.5), 0.012, 6), 32, 1.0);
     place(glb, "lamp ring", ring, &brass, at);
 }
 
@@ -105,8 +105,7 @@ fn crystal(glb: &mut Glb) {
         emissive: CYAN * 0.35,
         ..Material::default()
     };
-    let mut shape = lathe(&points([(0.0, 0.0), (0.1, 0.06), (0.12, 0.16), (0.0, 0.4)]), 6, 1.0).faceted();
-    shape = shape.at(0.0, 0.0, 0.0);
+    let shape = lathe(&points([(0.0, 0.0), (0.1, 0.06), (0.12, 0.16), (0.0, 0.4)]), 6, 1.0).faceted();
     place(glb, "crystal", shape, &stone, Pose::at(0.34, TABLE_M, 0.28).turned(0.04));
     let chip = sphere(0.06, 6, 4).faceted();
     place(glb, "chip", chip, &stone, Pose::at(0.56, TABLE_M + 0.045, 0.36).turned(0.1));
@@ -128,11 +127,8 @@ fn vase(glb: &mut Glb) {
         (0.05, 0.385),
         (0.04, 0.33),
     ];
-    let vase = lathe(&points(profile), 40, 1.0).colored(|p, _| {
-        let band = smoothstep(0.6, 0.9, circle(p.y * 14.0).x);
-        let body = linear(0x7a2340).lerp(linear(0xe0a070), smoothstep(0.05, 0.36, p.y));
-        body.lerp(linear(0xf2e6c8), 0.75 * band)
-    });
+    let vase = lathe(&points(profile), 32, 1.0)
+        .colored(|p, _| linear(0x7a2340).lerp(linear(0xf0c890), smoothstep(0.06, 0.36, p.y)));
     let at = Pose::at(0.12, TABLE_M, -0.3);
     place(glb, "vase", vase, &glaze, at);
     let leaf = Mesh::smooth_patch(6, 12, |u, v| {
@@ -208,10 +204,14 @@ fn lights(glb: &mut Glb) {
         color,
         kind: LightKind::Point { intensity_cd, range_m },
     };
-    glb.light(point("lamp light", WARM, 1.6, 4.0), Pose::at(-0.42, TABLE_M + 0.5, 0.1));
+    glb.light(point("lamp light", WARM, 2.4, 5.0), Pose::at(-0.42, TABLE_M + 0.5, 0.1));
     glb.light(point("crystal light", CYAN, 0.35, 1.6), Pose::at(0.42, TABLE_M + 0.22, 0.5));
-    glb.light(point("rose light", Vec3::new(1.0, 0.35, 0.55), 1.0, 3.0), Pose::at(1.1, TABLE_M + 0.8, -0.6));
-    let kind = LightKind::Spot { intensity_cd: 9.0, range_m: 6.0, inner_rad: 0.2, outer_rad: 0.5 };
+    glb.light(point("rose light", Vec3::new(1.0, 0.4, 0.55), 3.0, 4.0), Pose::at(1.2, TABLE_M + 0.7, -0.5));
+    glb.light(
+        point("violet light", Vec3::new(0.5, 0.45, 1.0), 5.0, 5.0),
+        Pose::at(-1.4, TABLE_M + 1.0, -0.3),
+    );
+    let kind = LightKind::Spot { intensity_cd: 16.0, range_m: 6.0, inner_rad: 0.2, outer_rad: 0.5 };
     let spot = Light { name: "spot", color: Vec3::new(1.0, 0.92, 0.8), kind };
     glb.light(spot, Pose::looking(Vec3::new(0.9, 2.6, 1.6), Vec3::new(0.05, TABLE_M, 0.0)));
 }

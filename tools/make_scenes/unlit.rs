@@ -17,7 +17,7 @@ pub fn glb() -> Vec<u8> {
     let poster = glb.texture("poster", &picture(256, poster));
     let poster =
         glb.material(&Material { name: "poster", base_color_texture: Some(poster), ..unlit.clone() });
-    let checks = glb.texture("checks", &picture(16, checks));
+    let checks = glb.texture("checks", &picture(64, checks));
     let checks = Some(checks.scaled(0.8));
     let checks = glb.material(&Material { name: "checks", base_color_texture: checks, ..unlit });
 
@@ -69,12 +69,12 @@ fn solids(glb: &mut Glb, material: usize) {
     };
     // The colour cube: red, green and blue along x, y and z.
     let cube = cuboid(Vec3::splat(0.6), 0.0).colored(|p, _| p / 0.6 + 0.5);
-    place("colour cube", cube, Pose::at(0.85, 0.86, -0.15).turned(0.09));
+    place("colour cube", cube, Pose::at(0.85, 0.8, -0.15).turned(0.09));
     let ring = lathe(&round_profile(Vec2::new(0.34, 0.0), 0.1, 16), 64, 1.0).colored(|p, normal| {
         let turn = p.z.atan2(p.x) / std::f32::consts::TAU;
         wheel(turn) * (0.8 + 0.3 * normal.y)
     });
-    place("colour wheel", ring, Pose::at(0.84, 1.72, -0.15).rotated(Vec3::X, 0.2));
+    place("colour wheel", ring, Pose::at(0.85, 1.6, -0.15).turned(-0.04).rotated(Vec3::X, 0.25));
     let ball = sphere(0.3, 40, 24).colored(|p, _| {
         let stripe = smoothstep(-0.15, 0.15, circle(p.y * 5.0).x);
         linear(0xe0503c).lerp(linear(0xf6e7c4), stripe) * (0.85 + p.y * 0.5)
