@@ -1,0 +1,32 @@
+//! Makes the scenes in `assets/` and, on request, scenes to measure with. The same bytes on every run.
+//!
+//! `make_scenes [NAME...] [-o DIRECTORY] [--check]` and `make_scenes bench --lights N --objects M -o FILE`;
+//! `--help` tells more.
+
+mod bench;
+mod courtyard;
+mod glb;
+mod grid;
+mod lamps;
+mod mesh;
+mod model;
+mod noise;
+mod program;
+mod shape;
+mod texture;
+mod unlit;
+
+pub use program::{Arguments, Shipped, check, run};
+
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("make_scenes: {problem}");
+            ExitCode::FAILURE
+        }
+    }
+}

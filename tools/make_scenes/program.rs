@@ -1,0 +1,150 @@
+//! The command line: which scenes are made, and whether they are written or compared.
+
+use super::{bench, courtyard, grid, lamps, unlit};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// Makes the scenes in assets/, or a scene to measure with.
+#[derive(Parser)]
+#[command(name = "make_scenes", args_conflicts_with_subcommands = true)]
+pub struct Arguments {
+    /// Scenes to make [default: all]
+    names: Vec<Shipped>,
+    /// The folder they are in
+    #[arg(short, long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/assets"))]
+    output: PathBuf,
+    /// Compare with the files that are there instead of writing; exit status 1 lists those that differ
+    #[arg(long)]
+    check: bool,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Make a scene to measure with: objects on a floor of 24 m by 24 m under coloured point lights
+    Bench(Bench),
+}
+
+#[derive(Args)]
+struct Bench {
+    /// Point lights
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=65536))]
+    lights: u32,
+    /// Spheres and boxes
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(0..=65536))]
+    objects: u32,
+    /// Where each light ends
+    #[arg(long = "range", value_name = "METRES", default_value_t = 4.0, value_parser = positive)]
+    range_m: f32,
+    /// Grow the file to about this size (10^6 bytes) with textures of noise
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=2000))]
+    megabytes: u32,
+    /// Give every object a material of its own
+    #[arg(long)]
+    distinct: bool,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
+/// A scene of `assets/`.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum Shipped {
+    /// A walled courtyard at dusk
+    Courtyard,
+    /// Spheres from plastic to metal, from glossy to matt
+    Grid,
+    /// A still life of things that glow
+    Lamps,
+    /// A poster and solids that no light touches
+    Unlit,
+}
+
+impl Shipped {
+    /// The scene's file name.
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Self::Courtyard => "courtyard.glb",
+            Self::Grid => "grid.glb",
+            Self::Lamps => "lamps.glb",
+            Self::Unlit => "unlit.glb",
+        }
+    }
+
+    /// The file's bytes.
+    pub fn glb(self) -> Vec<u8> {
+        match self {
+            Self::Courtyard => courtyard::glb(),
+            Self::Grid => grid::glb(),
+            Self::Lamps => lamps::glb(),
+            Self::Unlit => unlit::glb(),
+        }
+    }
+}
+
+/// Does what the command line asks for, or tells in one line what went wrong.
+pub fn run(arguments: &Arguments) -> Result<(), String> {
+    if let Some(Command::Bench(options)) = &arguments.command {
+        let path = &options.output;
+        let options = bench::Options {
+            lights: options.lights as usize,
+            objects: options.objects as usize,
+            range_m: options.range_m,
+            padding_bytes: options.megabytes as usize * 1_000_000,
+            distinct: options.distinct,
+        };
+        return write(path, &bench::glb(&options));
+    }
+    let all = Shipped::value_variants();
+    let names = if arguments.names.is_empty() { all } else { &arguments.names };
+    if arguments.check {
+        let differing = check(names, &arguments.output)?;
+        if differing.is_empty() {
+            return Ok(());
+        }
+        let directory = arguments.output.display();
+        let list = differing.join(", ");
+        return Err(format!("{directory}: {list} differ from what this program makes; run tools/scenes"));
+    }
+    names.iter().try_for_each(|name| write(&arguments.output.join(name.file_name()), &name.glb()))
+}
+
+/// File names of those scenes that are not, byte for byte, in `directory`; absent files are among them.
+pub fn check(names: &[Shipped], directory: &Path) -> Result<Vec<&'static str>, String> {
+    let mut differing = Vec::new();
+    for name in names {
+        let path = directory.join(name.file_name());
+        let found = match fs::read(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            other => Some(other.map_err(|error| format!("{}: {error}", path.display()))?),
+        };
+        if found.as_deref() != Some(&name.glb()) {
+            differing.push(name.file_name());
+        }
+    }
+    Ok(differing)
+}
+
+/// Writes a whole file or leaves what was there.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    let in_path = |error: std::io::Error| format!("{}: {error}", path.display());
+    if let Some(directory) = path.parent() {
+        fs::create_dir_all(directory).map_err(in_path)?;
+    }
+    let temporary = path.with_extension("part");
+    fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path)).map_err(|error| {
+        // What could not be written is of no use; that it cannot be removed either says nothing new.
+        let _ = fs::remove_file(&temporary);
+        in_path(error)
+    })
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && f32::is_finite(x) => Ok(x),
+        _ => Err("a positive number is wanted".into()),
+    }
+}
