@@ -28,6 +28,7 @@ mod geometry;
 mod headless;
 mod image;
 mod info;
+mod material_data;
 mod memory;
 mod offscreen;
 mod owned;

@@ -131,9 +131,10 @@ impl Offscreen {
         let mut report = plan.report(scene);
         for (index, attachment) in report.attachments.iter_mut().enumerate() {
             let Some(image) = self.target.attachment(index) else { continue };
-            let committed = image.committed_bytes();
-            attachment.lazily_allocated = Some(committed.is_some());
-            attachment.committed_bytes = committed.map(|bytes| Figure::driver(bytes as f64));
+            let lazily = image.committed_bytes();
+            attachment.lazily_allocated = Some(lazily.is_some());
+            let bytes = lazily.unwrap_or(image.allocated_bytes());
+            attachment.committed_bytes = Some(Figure::driver(bytes as f64));
         }
         let median_of = |value: &dyn Fn(&Measured) -> Option<f64>| {
             median(self.measured.iter().filter_map(value).collect())

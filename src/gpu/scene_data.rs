@@ -6,9 +6,10 @@ use std::ops::Range;
 use ash::vk;
 
 use super::descriptor::{Content, DescriptorSets};
+use super::material_data::Materials;
 use super::pipeline::{Family, Pipelines};
 use super::shader::shared;
-use super::shared::{FrameUniforms, InstanceData, LightData, MaterialData};
+use super::shared::{FrameUniforms, InstanceData, LightData};
 use super::{
     Buffer, BufferDesc, ColorEncoding, Device, Geometry, MemoryUse, Recorder, Streams, TextureKey, Textures,
     Upload, View, convert,
@@ -116,7 +117,7 @@ impl SceneData {
     pub(super) fn allocated_bytes(&self) -> u64 {
         let buffers = self.uniforms.iter().chain(&self.instances).chain([&self.lights]);
         buffers.map(Buffer::allocated_bytes).sum::<u64>()
-            + self.materials.as_ref().map_or(0, |m| m.buffer.allocated_bytes())
+            + self.materials.as_ref().map_or(0, Materials::allocated_bytes)
             + self.geometry.allocated_bytes()
             + self.textures.allocated_bytes()
     }
@@ -245,39 +246,6 @@ impl SceneData {
         }
         self.material_sets = Some(sets);
         Ok(())
-    }
-}
-
-/// All materials' uniform blocks in one buffer.
-struct Materials {
-    buffer: Buffer,
-    /// From one block to the next: the block's size, rounded up to what the device aligns blocks to.
-    stride_bytes: u64,
-}
-
-impl Materials {
-    /// `None` without materials.
-    fn new(device: &Device, upload: &mut Upload, scene: &Scene) -> Result<Option<Self>> {
-        if scene.materials.is_empty() {
-            return Ok(None);
-        }
-        let alignment = device.caps().min_uniform_buffer_offset_alignment.max(1);
-        let stride_bytes = (size_of::<MaterialData>() as u64).next_multiple_of(alignment);
-        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
-        let bytes = stride_bytes * scene.materials.len() as u64;
-        let desc = BufferDesc { name: "materials", bytes, usage, memory: MemoryUse::Device };
-        let buffer = Buffer::new(device, &desc)?;
-        let mut content = vec![0; bytes as usize];
-        for (block, material) in content.chunks_exact_mut(stride_bytes as usize).zip(&scene.materials) {
-            let data = convert::material(material);
-            block[..size_of::<MaterialData>()].copy_from_slice(bytemuck::bytes_of(&data));
-        }
-        upload.buffer(&buffer, 0, &content)?;
-        Ok(Some(Self { buffer, stride_bytes }))
-    }
-
-    fn content(&self, material: usize) -> Content<'_> {
-        Content::Buffer(&self.buffer, self.stride_bytes * material as u64, size_of::<MaterialData>() as u64)
     }
 }
 

@@ -54,8 +54,8 @@ pub struct AttachmentReport {
     pub loaded_bytes_per_pixel: Figure,
     /// Bytes that all passes of a frame store to memory, a pixel.
     pub stored_bytes_per_pixel: Figure,
-    /// Bytes of memory that the driver committed to it; `null` where nothing was created, or where the memory
-    /// is not lazily allocated and so is always there.
+    /// Bytes of memory behind it: what the driver committed of lazily allocated memory, all of it otherwise; `null`
+    /// where nothing was created, and for the output, which is the host's.
     pub committed_bytes: Option<Figure>,
     /// Whether its memory is lazily allocated; `null` where nothing was created.
     pub lazily_allocated: Option<bool>,
