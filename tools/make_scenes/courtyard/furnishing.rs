@@ -295,7 +295,7 @@ fn shop(glb: &mut Glb, palette: &Palette) {
             let position = Vec3::new((x - 0.5) * width_m, -0.75 * slope - sag - valance, slope * reach_m);
             (position, Vec2::new(position.x, out * 2.0) / 1.5)
         });
-        cloth.colored(move |_, _| if i % 2 == 0 { cream } else { red })
+        cloth.colored(move |_, _| if i.is_multiple_of(2) { cream } else { red })
     };
     let canvas = Mesh::merged((0..STRIPES).map(stripe));
     let pole = |side: f32| {
