@@ -26,7 +26,7 @@ pub fn glb() -> Vec<u8> {
     room(&mut glb);
     lights(&mut glb);
     let middle = Vec3::new(0.0, height_m(ROWS / 2) - 0.05, 0.0);
-    glb.perspective("main", 30.0, Pose::looking(Vec3::new(2.3, 3.9, 11.2), middle));
+    glb.perspective("main", 28.5, Pose::looking(Vec3::new(2.3, 3.9, 11.2), middle));
     glb.orthographic("front", 2.95, 30.0, Pose::looking(middle + Vec3::Z * 12.0, middle));
     glb.finish("grid")
 }
@@ -69,7 +69,7 @@ fn room(glb: &mut Glb) {
             glb.place(name, mesh, Pose::at(x, y, z));
         }
     };
-    slab("floor", 0x8d8478, [26.0, 0.2, 16.0], &[[0.0, -0.1, WALL_Z_M + 8.0]]);
+    slab("floor", 0x8d8478, [26.0, 0.2, 16.0], &[[0.0, -0.1, WALL_Z_M + 7.9]]);
     slab("wall", 0x8b919b, [26.0, 12.0, 0.2], &[[0.0, 6.0, WALL_Z_M - 0.1]]);
     let width_m = COLUMNS as f32 * PITCH_M + 0.1;
     let depth_m = 0.5 - WALL_Z_M;

@@ -26,7 +26,11 @@ pub fn glb() -> Vec<u8> {
     lights(&mut glb);
     let target = Vec3::new(0.0, TABLE_M + 0.3, 0.0);
     glb.perspective("main", 34.0, Pose::looking(Vec3::new(0.35, 1.5, 2.55), target));
-    glb.perspective("close", 30.0, Pose::looking(Vec3::new(-1.1, 1.2, 1.15), target - Vec3::Y * 0.08));
+    glb.perspective(
+        "close",
+        30.0,
+        Pose::looking(Vec3::new(1.05, 1.3, 1.25), target - Vec3::new(-0.12, 0.1, 0.0)),
+    );
     glb.finish("lamps")
 }
 
@@ -52,7 +56,7 @@ fn room(glb: &mut Glb) {
     place(glb, "table", top, &wood, Pose::at(0.0, TABLE_M, 0.0));
     // The wall's colours fade upward.
     let wall = Mesh::patch(8, 8, |u, v| Vertex {
-        position: Vec3::new((u - 0.5) * 8.0, v * 4.0, -1.3),
+        position: Vec3::new((u - 0.5) * 8.0, v * 4.8 - 1.8, -1.3),
         normal: Vec3::Z,
         texcoord: Vec2::ZERO,
     })
