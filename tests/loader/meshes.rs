@@ -150,6 +150,41 @@ fn texture_coordinates_of_all_formats_and_both_sets() {
 }
 
 #[test]
+fn quantised_attributes_where_the_extension_says_so() {
+    const I8: u32 = 5120;
+    const I16: u32 = 5122;
+    let mut file = Gltf::triangle();
+    base_color_texture(&mut file, 0);
+    // Plain shorts are their own value; rows of a stride that is a multiple of 4.
+    let shorts_of = |v: &[i16]| v.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let positions = file.accessor(&shorts_of(&[0, 0, 0, 0, 300, 0, 0, 0, 0, -7, 0, 0]), I16, "VEC3", 3);
+    let view = file.json["accessors"][positions]["bufferView"].as_u64().unwrap();
+    *file.at(&format!("/bufferViews/{view}/byteStride")) = json!(8);
+    // Normalised bytes: 127 is 1, and -128 is -1 like -127.
+    let up: Vec<u8> =
+        [[0, 0, 127, 0], [0, 0, 127, 0], [0, 0, -128, 0]].concat().iter().map(|&b: &i8| b as u8).collect();
+    let normals = file.accessor(&up, I8, "VEC3", 3);
+    let view = file.json["accessors"][normals]["bufferView"].as_u64().unwrap();
+    *file.at(&format!("/bufferViews/{view}/byteStride")) = json!(4);
+    *file.at(&format!("/accessors/{normals}/normalized")) = json!(true);
+    let texcoords = file.accessor(&shorts(&[0, 1, 2, 3, 4, 5]), U16, "VEC2", 3);
+    attribute(&mut file, "POSITION", positions);
+    attribute(&mut file, "NORMAL", normals);
+    attribute(&mut file, "TEXCOORD_0", texcoords);
+
+    let refused = file.load().unwrap_err().to_string();
+    assert!(refused.contains("I16"), "core glTF has no such positions: {refused}");
+
+    for list in ["extensionsUsed", "extensionsRequired"] {
+        file.json[list] = json!(["KHR_mesh_quantization"]);
+    }
+    let scene = file.load().unwrap();
+    assert_eq!(corners(&scene), [[0.0, 0.0, 0.0], [300.0, 0.0, 0.0], [0.0, -7.0, 0.0]]);
+    assert_eq!(scene.meshes[0].normals, [Vec3::Z, Vec3::Z, -Vec3::Z]);
+    assert_eq!(scene.meshes[0].texcoords[0], [[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]].map(Vec2::from));
+}
+
+#[test]
 fn vertex_colors() {
     let expected = Vec4::new(0.2, 0.4, 0.6, 1.0);
     for (data, component, kind) in [

@@ -22,18 +22,24 @@ pub struct Format {
 #[derive(Clone, Copy, PartialEq)]
 enum Components {
     Float,
+    /// With KHR_mesh_quantization also bytes and shorts of any kind.
+    FloatOrQuantized,
     FloatOrNormalized,
+    /// Both of the above.
+    FloatNormalizedOrQuantized,
     Unsigned8Or16,
     Unsigned,
 }
 
 impl Format {
-    pub const VEC3: Self = Self { types: &[Type::Vec3], components: Components::Float, text: "a float VEC3" };
-    pub const VEC4: Self = Self { types: &[Type::Vec4], components: Components::Float, text: "a float VEC4" };
+    pub const VEC3: Self =
+        Self { types: &[Type::Vec3], components: Components::FloatOrQuantized, text: "a float VEC3" };
+    pub const VEC4: Self =
+        Self { types: &[Type::Vec4], components: Components::FloatOrQuantized, text: "a float VEC4" };
     pub const MAT4: Self = Self { types: &[Type::Mat4], components: Components::Float, text: "a float MAT4" };
     pub const TEXCOORD: Self = Self {
         types: &[Type::Vec2],
-        components: Components::FloatOrNormalized,
+        components: Components::FloatNormalizedOrQuantized,
         text: "a VEC2 of floats or normalised unsigned bytes or shorts",
     };
     pub const COLOR: Self = Self {
@@ -57,14 +63,17 @@ impl Format {
         text: "a SCALAR of unsigned bytes, shorts or ints",
     };
 
-    fn accepts(&self, type_: Type, component: ComponentType, normalized: bool) -> bool {
+    /// `quantized`: the file uses KHR_mesh_quantization.
+    fn accepts(&self, type_: Type, component: ComponentType, normalized: bool, quantized: bool) -> bool {
         use ComponentType as C;
+        let float_or_normalized = component == C::F32 || normalized && matches!(component, C::U8 | C::U16);
+        let small = quantized && matches!(component, C::I8 | C::U8 | C::I16 | C::U16);
         self.types.contains(&type_)
             && match self.components {
                 Components::Float => component == C::F32,
-                Components::FloatOrNormalized => {
-                    component == C::F32 || normalized && matches!(component, C::U8 | C::U16)
-                }
+                Components::FloatOrQuantized => component == C::F32 || small,
+                Components::FloatOrNormalized => float_or_normalized,
+                Components::FloatNormalizedOrQuantized => float_or_normalized || small,
                 Components::Unsigned8Or16 => !normalized && matches!(component, C::U8 | C::U16),
                 Components::Unsigned => !normalized && matches!(component, C::U8 | C::U16 | C::U32),
             }
@@ -89,6 +98,7 @@ pub struct Reader<'a> {
     pub count: usize,
     pub width: usize,
     component: ComponentType,
+    normalized: bool,
     base: Option<Strided<'a>>,
     /// Which elements are replaced, and by what.
     sparse: Option<(Vec<u32>, Strided<'a>)>,
@@ -110,7 +120,7 @@ impl<'a> Reader<'a> {
         let name = format!("accessors[{}]", index.value());
         let component = doc.valid(accessor.component_type, format!("{name}.componentType"))?.0;
         let type_ = doc.valid(accessor.type_, format!("{name}.type"))?;
-        if !format.accepts(type_, component, accessor.normalized) {
+        if !format.accepts(type_, component, accessor.normalized, doc.is_quantized()) {
             let normalized = if accessor.normalized { "normalised " } else { "" };
             let problem = format!("{name} is {normalized}{component:?} {type_:?}, not {}", format.text);
             return Err(doc.bad(
@@ -139,14 +149,15 @@ impl<'a> Reader<'a> {
             Some(sparse) => Some(read_sparse(doc, sparse, count, size, &name)?),
             None => None,
         };
-        Ok(Self { count, width, component, base, sparse, element, name })
+        let normalized = accessor.normalized;
+        Ok(Self { count, width, component, normalized, base, sparse, element, name })
     }
 
     /// The elements as floats (normalised integers are scaled to [0, 1]); all are finite.
     pub fn floats<const N: usize>(&self, doc: &Document) -> Result<Vec<[f32; N]>> {
-        let component = self.component;
+        let (component, normalized) = (self.component, self.normalized);
         let decode = |bytes: &[u8]| {
-            let mut chunks = bytes.chunks_exact(component.size()).map(|c| float(component, c));
+            let mut chunks = bytes.chunks_exact(component.size()).map(|c| float(component, normalized, c));
             std::array::from_fn(|_| chunks.next().unwrap_or(0.0))
         };
         let out: Vec<[f32; N]> = self.collect([0.0; N], decode);
@@ -242,14 +253,17 @@ fn strided<'a>(
     Ok(Strided { bytes: &bytes[offset as usize..end as usize], stride, size })
 }
 
-/// glTF 2.0 section 3.6.2.2; no attribute that is read may be a signed integer.
-fn float(component: ComponentType, bytes: &[u8]) -> f32 {
-    match (component, bytes) {
-        (ComponentType::F32, &[a, b, c, d]) => f32::from_le_bytes([a, b, c, d]),
-        (ComponentType::U8, &[a]) => f32::from(a) / 255.0,
-        (ComponentType::U16, &[a, b]) => f32::from(u16::from_le_bytes([a, b])) / 65535.0,
-        _ => 0.0,
-    }
+/// glTF 2.0 section 3.6.2.2: normalised integers span 0 to 1, signed ones -1 to 1; others are their own value.
+fn float(component: ComponentType, normalized: bool, bytes: &[u8]) -> f32 {
+    let (value, most) = match (component, bytes) {
+        (ComponentType::F32, &[a, b, c, d]) => return f32::from_le_bytes([a, b, c, d]),
+        (ComponentType::I8, &[a]) => (f32::from(a.cast_signed()), 127.0),
+        (ComponentType::U8, &[a]) => (f32::from(a), 255.0),
+        (ComponentType::I16, &[a, b]) => (f32::from(i16::from_le_bytes([a, b])), 32767.0),
+        (ComponentType::U16, &[a, b]) => (f32::from(u16::from_le_bytes([a, b])), 65535.0),
+        _ => return 0.0,
+    };
+    if normalized { (value / most).max(-1.0) } else { value }
 }
 
 /// Little-endian, one to four bytes.

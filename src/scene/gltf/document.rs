@@ -14,7 +14,8 @@ use serde_json::Value;
 use super::source;
 use crate::{Error, Result};
 
-const SUPPORTED_EXTENSIONS: [&str; 4] = [
+const SUPPORTED_EXTENSIONS: [&str; 5] = [
+    "KHR_mesh_quantization",
     "KHR_texture_transform",
     "KHR_materials_unlit",
     "KHR_materials_emissive_strength",
@@ -110,6 +111,12 @@ impl Transforms {
 }
 
 impl<'a> Document<'a> {
+    /// Whether attributes may be small integers (KHR_mesh_quantization).
+    pub fn is_quantized(&self) -> bool {
+        let mut extensions = self.root.extensions_used.iter().chain(&self.root.extensions_required);
+        extensions.any(|name| name == "KHR_mesh_quantization")
+    }
+
     pub fn read(path: &'a Path) -> Result<Self> {
         let source::Container { json, bin } = source::read_container(path)?;
         check_head(path, &json)?;
@@ -246,9 +253,6 @@ fn check_head(path: &Path, json: &[u8]) -> Result<()> {
             "KHR_texture_basisu" => "store the textures as PNG or JPEG instead of KTX2",
             "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => {
                 "store the textures as PNG or JPEG"
-            }
-            "KHR_mesh_quantization" => {
-                "export without quantisation, or undo it, e.g. with `gltf-transform dequantize in out`"
             }
             _ => "export the scene without this extension, or make it optional",
         };
