@@ -4,6 +4,7 @@
 //! one KHR_texture_transform per material gives every object the same grain.
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
+use std::collections::HashMap;
 
 /// Indexed triangles, counter-clockwise seen from outside. Lists are empty or as long as `positions`.
 #[derive(Clone, Default)]
@@ -136,6 +137,30 @@ impl Mesh {
             whole.indices.extend(part.indices.iter().map(|i| i + base));
         }
         whole
+    }
+
+    /// Vertices that agree in position, normal and texture coordinate become one.
+    pub fn welded(&self) -> Self {
+        let mut mesh = Self::default();
+        let mut known = HashMap::new();
+        let merged: Vec<u32> = (0..self.positions.len())
+            .map(|i| {
+                let vertex = Vertex {
+                    position: self.positions[i],
+                    normal: self.normals[i],
+                    texcoord: self.texcoords[i],
+                };
+                let bits = |v: &[f32]| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                let key = [
+                    bits(&vertex.position.to_array()),
+                    bits(&vertex.normal.to_array()),
+                    bits(&vertex.texcoord.to_array()),
+                ];
+                *known.entry(key).or_insert_with(|| mesh.push(vertex))
+            })
+            .collect();
+        mesh.indices = self.indices.iter().map(|&i| merged[i as usize]).collect();
+        mesh
     }
 
     /// Vertex colours from position and normal.

@@ -104,7 +104,7 @@ pub fn lathe_arc(profile: &[Vec2], segments: usize, turns: Range<f32>, around_m:
         mesh = Mesh::merged([mesh, strip]);
         length_m += strip_m;
     }
-    mesh
+    mesh.welded()
 }
 
 /// A profile for [`lathe`]: the circle that makes a torus.

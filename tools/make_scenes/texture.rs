@@ -94,7 +94,14 @@ impl Surface {
         1.0 / (1.0 + 2.0 * rise_m / reach_m)
     }
 
-    fn height_m(&self, at: IVec2) -> f32 {
+    /// Edge length, texels.
+    #[cfg(test)]
+    pub fn size_px(&self) -> i32 {
+        self.size_px as i32
+    }
+
+    /// The height of a texel; the surface repeats.
+    pub fn height_m(&self, at: IVec2) -> f32 {
         let at = at.rem_euclid(IVec2::splat(self.size_px as i32));
         self.texels[(at.y * self.size_px as i32 + at.x) as usize].height_m
     }

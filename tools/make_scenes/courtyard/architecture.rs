@@ -20,21 +20,25 @@ pub const ARCH_RADIUS_M: f32 = 1.26;
 /// Top of the terrace above the arcades.
 pub const TERRACE_M: f32 = 5.25;
 /// Front face of the wall with the portal.
-pub const PORTAL_Z_M: f32 = -9.2;
+pub const PORTAL_Z_M: f32 = -7.98;
 /// The middles of the arcades' bays.
 pub const BAYS_Z_M: [f32; 5] = [-6.4, -3.2, 0.0, 3.2, 6.4];
 /// From the columns' middle line to the wall behind.
 const ARCADE_DEPTH_M: f32 = 2.6;
 const OUTER_X_M: f32 = ARCADE_X_M + ARCADE_DEPTH_M;
+/// Top of the walls behind the arcades.
 const WALL_TOP_M: f32 = 7.6;
+/// Top of the wall with the portal.
+const PORTAL_TOP_M: f32 = 6.3;
 
 /// Builds everything that does not move.
 pub fn build(glb: &mut Glb, palette: &Palette) {
     floor(glb, palette);
-    let west = arcade(glb, palette);
+    let meshes = [bay(glb, palette), railing(glb, palette), column(glb, palette)];
+    let west = arcade(glb, meshes);
     glb.group("west", &west, Pose::at(-ARCADE_X_M, 0.0, 0.0).turned(0.25));
     // The east side is the west side's mirror image: a negative scale, as the arcade is not symmetric.
-    let east = arcade(glb, palette);
+    let east = arcade(glb, meshes);
     let east = glb.group("east arcade", &east, Pose::at(-ARCADE_X_M, 0.0, 0.0).turned(0.25));
     glb.group("east", &[east], Pose::origin().scaled(-1.0, 1.0, 1.0));
     portal(glb, palette);
@@ -46,8 +50,8 @@ fn grime(height_m: f32) -> Vec3 {
 }
 
 fn floor(glb: &mut Glb, palette: &Palette) {
-    let (width_m, depth_m, back_m) = (2.0 * OUTER_X_M, 22.0, -9.4);
-    let court = Mesh::patch(32, 44, |u, v| {
+    let (width_m, depth_m, back_m) = (2.0 * OUTER_X_M, 24.8, -12.2);
+    let court = Mesh::patch(24, 38, |u, v| {
         let position = Vec3::new((u - 0.5) * width_m, 0.0, back_m + (1.0 - v) * depth_m);
         Vertex { position, normal: Vec3::Y, texcoord: Vec2::new(position.x, position.z) }
     });
@@ -77,10 +81,7 @@ fn floor(glb: &mut Glb, palette: &Palette) {
 }
 
 /// One side's five bays in its own frame: +Z towards the court, X along the arcade.
-fn arcade(glb: &mut Glb, palette: &Palette) -> Vec<usize> {
-    let bay = bay(glb, palette);
-    let column = column(glb, palette);
-    let railing = railing(glb, palette);
+fn arcade(glb: &mut Glb, [bay, railing, column]: [usize; 3]) -> Vec<usize> {
     let mut nodes = Vec::new();
     for (i, z_m) in BAYS_Z_M.into_iter().enumerate() {
         let x_m = -z_m;
@@ -94,7 +95,7 @@ fn arcade(glb: &mut Glb, palette: &Palette) -> Vec<usize> {
 
 fn bay(glb: &mut Glb, palette: &Palette) -> usize {
     let thickness_m = 0.5;
-    let front = arch_wall(BAY_M, 4.95 - SPRING_M, ARCH_RADIUS_M, thickness_m, 28).at(0.0, SPRING_M, 0.0);
+    let front = arch_wall(BAY_M, 4.95 - SPRING_M, ARCH_RADIUS_M, thickness_m, 22).at(0.0, SPRING_M, 0.0);
     let vault_radius_m = (ARCADE_DEPTH_M - thickness_m / 2.0) / 2.0;
     let vault_z_m = -thickness_m / 2.0 - vault_radius_m;
     let vault = flipped_if_inward(Mesh::patch(16, 4, |u, v| {
@@ -157,7 +158,7 @@ fn bay(glb: &mut Glb, palette: &Palette) -> usize {
     let jamb = |x_m: f32| cuboid(Vec3::new(0.14, 0.7, 0.12), 0.015).at(x_m, 6.16, wall_z_m + 0.04);
     let mullion = cuboid(Vec3::new(0.05, 1.05, 0.06), 0.01).at(0.0, 6.33, wall_z_m + 0.04);
     let dressed = Mesh::merged([
-        archivolt(&arch_profile, 28).at(0.0, SPRING_M, 0.0),
+        archivolt(&arch_profile, 22).at(0.0, SPRING_M, 0.0),
         moulding(&cornice, BAY_M),
         moulding(&coping, BAY_M),
         rib,
@@ -185,7 +186,7 @@ fn bay(glb: &mut Glb, palette: &Palette) -> usize {
 /// A fluted column on a plinth, 2.9 m high.
 fn column(glb: &mut Glb, palette: &Palette) -> usize {
     const FLUTES: f32 = 12.0;
-    let shaft = Mesh::smooth_patch(72, 6, |u, v| {
+    let shaft = Mesh::smooth_patch(60, 4, |u, v| {
         let around = circle(u);
         let flute = 0.5 - 0.5 * circle(u * FLUTES).x;
         // Entasis: the shaft swells a little below its middle and tapers upward.
@@ -221,8 +222,8 @@ fn column(glb: &mut Glb, palette: &Palette) -> usize {
     ];
     let column = Mesh::merged([
         shaft,
-        lathe(&base.map(Vec2::from), 32, 2.0),
-        lathe(&capital.map(Vec2::from), 32, 2.0),
+        lathe(&base.map(Vec2::from), 20, 2.0),
+        lathe(&capital.map(Vec2::from), 20, 2.0),
         cuboid(Vec3::new(0.72, 0.2, 0.72), 0.02).at(0.0, 0.1, 0.0),
         cuboid(Vec3::new(0.68, 0.15, 0.68), 0.03).at(0.0, 2.825, 0.0),
     ]);
@@ -237,23 +238,23 @@ fn railing(glb: &mut Glb, palette: &Palette) -> usize {
     let mut bars = vec![rail(0.93), rail(0.74), rail(0.1)];
     let post = cuboid(Vec3::new(0.06, 1.0, 0.06), 0.01).at(-BAY_M / 2.0, 0.5, 0.0);
     bars.push(post);
-    for i in 1..16 {
-        let x_m = (i as f32 / 16.0 - 0.5) * BAY_M;
-        bars.push(tube(&[Vec3::new(x_m, 0.1, 0.0), Vec3::new(x_m, 0.75, 0.0)], 0.011, 6));
+    for i in 1..12 {
+        let x_m = (i as f32 / 12.0 - 0.5) * BAY_M;
+        bars.push(tube(&[Vec3::new(x_m, 0.1, 0.0), Vec3::new(x_m, 0.75, 0.0)], 0.011, 5));
     }
-    for i in 0..16 {
-        let x_m = ((i as f32 + 0.5) / 16.0 - 0.5) * BAY_M;
-        let ring = archivolt_ring(0.065, 0.085);
+    for i in 0..12 {
+        let x_m = ((i as f32 + 0.5) / 12.0 - 0.5) * BAY_M;
+        let ring = upright_ring(0.07, 0.09);
         bars.push(ring.at(x_m, 0.835, 0.0));
     }
-    let knob = sphere(0.065, 16, 10).at(-BAY_M / 2.0, 1.05, 0.0);
+    let knob = sphere(0.065, 12, 8).at(-BAY_M / 2.0, 1.05, 0.0);
     let (bars, knob) = (glb.geometry(&Mesh::merged(bars)), glb.geometry(&knob));
     glb.mesh("railing", &[(&bars, palette.iron), (&knob, palette.bronze)])
 }
 
 /// A thin upright ring.
-fn archivolt_ring(inner_m: f32, outer_m: f32) -> Mesh {
-    lathe(&ring_profile(inner_m..outer_m, -0.012..0.012), 16, 0.5)
+fn upright_ring(inner_m: f32, outer_m: f32) -> Mesh {
+    lathe(&ring_profile(inner_m..outer_m, -0.012..0.012), 10, 0.5)
         .transformed(glam::Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2))
 }
 
@@ -263,7 +264,7 @@ fn portal(glb: &mut Glb, palette: &Palette) {
     const SPRING_PORTAL_M: f32 = 2.4;
     let thickness_m = 0.7;
     let gate_width_m = 2.0 * RADIUS_M + 1.4;
-    let arch = arch_wall(gate_width_m, WALL_TOP_M - SPRING_PORTAL_M, RADIUS_M, thickness_m, 40).at(
+    let arch = arch_wall(gate_width_m, PORTAL_TOP_M - SPRING_PORTAL_M, RADIUS_M, thickness_m, 40).at(
         0.0,
         SPRING_PORTAL_M,
         0.0,
@@ -280,7 +281,8 @@ fn portal(glb: &mut Glb, palette: &Palette) {
     let flank = |side: f32| {
         let middle_m = side * (gate_width_m / 2.0 + side_width_m / 2.0);
         Mesh::patch(10, 14, |u, v| {
-            let position = Vec3::new(middle_m + (u - 0.5) * side_width_m, v * WALL_TOP_M, thickness_m / 2.0);
+            let position =
+                Vec3::new(middle_m + (u - 0.5) * side_width_m, v * PORTAL_TOP_M, thickness_m / 2.0);
             Vertex { position, normal: Vec3::Z, texcoord: Vec2::new(position.x, -position.y) }
         })
     };
@@ -320,7 +322,7 @@ fn portal(glb: &mut Glb, palette: &Palette) {
     ]
     .map(Vec2::from);
     let coping =
-        [(f, 7.35), (f + 0.16, 7.46), (f + 0.24, 7.55), (f + 0.24, 7.7), (f - 0.3, 7.7)].map(Vec2::from);
+        [(f, 6.05), (f + 0.16, 6.16), (f + 0.24, 6.25), (f + 0.24, 6.4), (f - 0.7, 6.4)].map(Vec2::from);
     let band = [(f, 5.0), (f + 0.1, 5.06), (f + 0.1, 5.18), (f, TERRACE_M)].map(Vec2::from);
     let jamb = |side: f32| {
         cuboid(Vec3::new(0.36, SPRING_PORTAL_M, 0.16), 0.03).at(

@@ -1,141 +1,27 @@
-//! Fountain, armillary sphere, lanterns, banners, the shop, plants: what makes the courtyard lived in.
+//! Lanterns, festoons, banners, the shop, plants: what makes the courtyard lived in.
 
 use super::super::glb::{Glb, Pose};
-use super::super::mesh::{Mesh, planar_texcoord};
+use super::super::mesh::{Mesh, Vertex};
 use super::super::noise::{pick, smoothstep};
-use super::super::shape::{circle, cuboid, lathe, ring_profile, round_profile, sphere, tube};
+use super::super::shape::{circle, cuboid, lathe, round_profile, sphere, tube};
 use super::super::texture::linear;
 use super::palette::Palette;
-use super::{FESTOONS, FOUNTAIN, Festoon, LANTERNS_M, POSTS_M, SHOP_Z_M};
-use glam::{Affine3A, Quat, Vec2, Vec3};
+use super::{FESTOONS, Festoon, LANTERNS_M, POSTS_M, SHOP_Z_M};
+use glam::{Affine3A, Vec2, Vec3};
 
 use super::architecture::{ARCADE_X_M, BAY_M, PORTAL_Z_M, SPRING_M, TERRACE_M};
 
 /// Puts everything in its place.
 pub fn build(glb: &mut Glb, palette: &Palette) {
-    fountain(glb, palette);
-    armillary(glb, palette);
     lanterns(glb, palette);
     festoons(glb, palette);
     banners(glb, palette);
     shop(glb, palette);
+    plants(glb, palette);
 }
 
 pub fn points(profile: &[(f32, f32)]) -> Vec<Vec2> {
     profile.iter().copied().map(Vec2::from).collect()
-}
-
-fn fountain(glb: &mut Glb, palette: &Palette) {
-    let basin = points(&[
-        (1.62, 0.28),
-        (1.66, 0.3),
-        (1.7, 0.36),
-        (1.66, 0.42),
-        (1.58, 0.46),
-        (1.55, 0.56),
-        (1.58, 0.72),
-        (1.68, 0.86),
-        (1.8, 0.93),
-        (1.84, 0.98),
-        (1.84, 1.03),
-        (1.8, 1.07),
-        (1.62, 1.07),
-        (1.58, 1.04),
-        (1.55, 0.98),
-        (1.5, 0.7),
-    ]);
-    let pedestal = points(&[
-        (0.5, 0.7),
-        (0.5, 1.0),
-        (0.46, 1.05),
-        (0.34, 1.1),
-        (0.26, 1.2),
-        (0.22, 1.35),
-        (0.24, 1.46),
-        (0.3, 1.52),
-        (0.5, 1.6),
-        (0.72, 1.72),
-        (0.78, 1.8),
-        (0.77, 1.84),
-        (0.7, 1.84),
-        (0.5, 1.76),
-        (0.24, 1.74),
-        (0.2, 1.8),
-        (0.16, 1.95),
-        (0.2, 2.02),
-        (0.24, 2.06),
-        (0.22, 2.1),
-        (0.0, 2.12),
-    ]);
-    // The basin's rim bulges in sixteen lobes.
-    let mut basin = lathe(&basin, 96, 10.0);
-    for p in &mut basin.positions {
-        let lobe = 0.5 + 0.5 * (p.z.atan2(p.x) * 16.0).cos();
-        let bulge = 1.0 + 0.018 * lobe * smoothstep(0.5, 0.8, p.y);
-        *p *= Vec3::new(bulge, 1.0, bulge);
-    }
-    let stone = Mesh::merged([basin, lathe(&pedestal, 48, 3.0)])
-        .colored(|p, _| Vec3::splat(0.62 + 0.38 * smoothstep(0.2, 0.9, p.y)));
-    let disc = |radius_m: f32, height_m: f32| {
-        let mut disc = lathe(&[Vec2::new(radius_m, height_m), Vec2::new(0.02, height_m)], 48, 1.0);
-        disc.texcoords = disc.positions.iter().map(|p| planar_texcoord(*p, Vec3::Y)).collect();
-        disc
-    };
-    let water = Mesh::merged([disc(1.56, 0.95), disc(0.71, 1.82)]);
-    let (stone, water) = (glb.geometry(&stone), glb.geometry(&water.with_tangents()));
-    let mesh = glb.mesh("fountain", &[(&stone, palette.limestone), (&water, palette.water)]);
-    glb.place("fountain", mesh, FOUNTAIN);
-}
-
-/// Nested bronze rings about a copper sun, pierced by an iron axis with an arrow's head.
-fn armillary(glb: &mut Glb, palette: &Palette) {
-    let ring = |radius_m: f32, width_m: f32, thick_m: f32, tilt: Quat| {
-        let profile = ring_profile(radius_m - thick_m..radius_m, -width_m / 2.0..width_m / 2.0);
-        lathe(&profile, 80, (radius_m * 12.0).round() / 2.0).transformed(Affine3A::from_quat(tilt))
-    };
-    let upright = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
-    let axis_tilt = Quat::from_rotation_z(-0.42);
-    let turned = |angle_rad: f32| axis_tilt * Quat::from_rotation_y(angle_rad) * upright;
-    let mut rings = vec![
-        ring(0.88, 0.07, 0.04, upright),
-        ring(0.83, 0.06, 0.035, turned(0.75)),
-        ring(0.79, 0.05, 0.03, turned(2.1)),
-        ring(0.82, 0.09, 0.03, axis_tilt),
-        ring(0.74, 0.14, 0.02, axis_tilt * Quat::from_rotation_x(0.41)),
-        ring(0.56, 0.04, 0.03, axis_tilt * Quat::from_rotation_x(-0.9)),
-    ];
-    for side in [-1.0, 1.0] {
-        let tropic = ring(0.72, 0.035, 0.025, Quat::IDENTITY).at(0.0, 0.36 * side, 0.0);
-        rings.push(tropic.transformed(Affine3A::from_quat(axis_tilt)));
-    }
-    // Hour marks on the equator.
-    for i in 0..24 {
-        let angle_rad = i as f32 / 24.0 * std::f32::consts::TAU;
-        let mark = cuboid(Vec3::new(0.03, 0.12, 0.02), 0.004).at(0.83, 0.0, 0.0);
-        rings.push(mark.transformed(Affine3A::from_quat(axis_tilt * Quat::from_rotation_y(angle_rad))));
-    }
-    let stand =
-        points(&[(0.2, -1.06), (0.14, -1.02), (0.07, -0.98), (0.06, -0.93), (0.1, -0.9), (0.0, -0.86)]);
-    rings.push(lathe(&stand, 24, 0.5));
-    let axis = Mesh::merged([
-        tube(&[Vec3::NEG_Y * 1.12, Vec3::Y * 1.05], 0.018, 10),
-        lathe(&points(&[(0.0, 1.02), (0.07, 1.03), (0.0, 1.3)]), 12, 0.5),
-        lathe(&points(&[(0.0, -1.2), (0.045, -1.15), (0.045, -1.1), (0.0, -1.05)]), 12, 0.5),
-    ])
-    .transformed(Affine3A::from_quat(axis_tilt));
-    let planets = [(0.74, 0.1, 0.05), (0.56, 2.2, 0.06), (0.74, 3.9, 0.045)].map(
-        |(orbit_m, angle_rad, radius_m): (f32, f32, f32)| {
-            let place = Affine3A::from_quat(axis_tilt * Quat::from_rotation_y(angle_rad))
-                * Affine3A::from_translation(Vec3::X * orbit_m);
-            sphere(radius_m, 16, 10).transformed(place)
-        },
-    );
-    let sun = Mesh::merged([sphere(0.21, 40, 24)].into_iter().chain(planets));
-    let parts = [(Mesh::merged(rings), palette.bronze), (axis, palette.iron), (sun, palette.copper)];
-    let parts = parts.map(|(mesh, material)| (glb.geometry(&mesh), material));
-    let mesh = glb.mesh("armillary", &parts.each_ref().map(|(geometry, material)| (geometry, *material)));
-    let pose = Pose { position_m: FOUNTAIN.position_m + Vec3::Y * 3.12, ..Pose::origin().turned(0.06) };
-    glb.place("armillary", mesh, pose);
 }
 
 fn lanterns(glb: &mut Glb, palette: &Palette) {
@@ -174,7 +60,7 @@ fn lanterns(glb: &mut Glb, palette: &Palette) {
     let (glass, cage) = (glb.geometry(&glass.untextured()), glb.geometry(&Mesh::merged(cage)));
     let lantern = glb.mesh("lantern", &[(&glass, palette.lantern_glass), (&cage, palette.iron)]);
     let chain = Mesh::merged((0..7).map(|i| {
-        let link = lathe(&round_profile(Vec2::new(0.026, 0.0), 0.006, 5), 10, 0.25);
+        let link = lathe(&round_profile(Vec2::new(0.026, 0.0), 0.006, 4), 6, 0.25);
         let upright = Affine3A::from_rotation_y(std::f32::consts::FRAC_PI_2 * (i % 2) as f32)
             * Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2);
         link.transformed(upright).at(0.0, 0.44 + 0.045 * i as f32, 0.0)
@@ -245,7 +131,7 @@ fn festoons(glb: &mut Glb, palette: &Palette) {
 
 /// A strip of hanging cloth, 1 m wide and `length_m` long from y = 0 down, in folds; pointed at its end.
 fn hanging(length_m: f32, phase: f32) -> Mesh {
-    Mesh::smooth_patch(20, 30, |u, v| {
+    Mesh::smooth_patch(16, 20, |u, v| {
         let down = 1.0 - v;
         let fold = (u * 15.0 + phase + 0.8 * down).sin() * (0.3 + 0.7 * down) * 0.035;
         let sway = 0.05 * down * (down * 4.0 + phase).sin();
@@ -259,8 +145,8 @@ fn banners(glb: &mut Glb, palette: &Palette) {
     let cloth = [hanging(2.25, 0.0), hanging(2.25, 2.0)].map(|cloth| glb.geometry(&cloth.with_tangents()));
     let rod = Mesh::merged([
         tube(&[Vec3::new(-0.58, 0.0, 0.0), Vec3::new(0.58, 0.0, 0.0)], 0.018, 8),
-        sphere(0.04, 12, 8).at(-0.6, 0.0, 0.0),
-        sphere(0.04, 12, 8).at(0.6, 0.0, 0.0),
+        sphere(0.04, 8, 6).at(-0.6, 0.0, 0.0),
+        sphere(0.04, 8, 6).at(0.6, 0.0, 0.0),
     ]);
     let rod = glb.geometry(&rod);
     let banner =
@@ -369,4 +255,54 @@ fn shop(glb: &mut Glb, palette: &Palette) {
         parts.push(glb.place("ware", mesh, pose));
     }
     glb.group("shop", &parts, Pose::at(front_x_m + 0.75, 0.0, SHOP_Z_M).turned(0.25));
+}
+
+/// Terracotta urns with bushes of leaf cards.
+fn plants(glb: &mut Glb, palette: &Palette) {
+    let urn = lathe(
+        &points(&[
+            (0.24, 0.0),
+            (0.25, 0.05),
+            (0.22, 0.08),
+            (0.26, 0.2),
+            (0.33, 0.38),
+            (0.36, 0.52),
+            (0.34, 0.58),
+            (0.39, 0.62),
+            (0.4, 0.66),
+            (0.36, 0.67),
+            (0.32, 0.6),
+            (0.0, 0.58),
+        ]),
+        32,
+        2.0,
+    );
+    const BUSH_CARDS: usize = 150;
+    let bush = Mesh::merged((0..BUSH_CARDS).map(|i| {
+        // A spiral of directions over most of the sphere.
+        let height = 0.95 - 1.5 * (i as f32 + 0.5) / BUSH_CARDS as f32;
+        let around = circle(i as f32 * 0.381_966);
+        let out = Vec3::new(around.x, 0.0, around.y) * (1.0 - height * height).sqrt() + Vec3::Y * height;
+        let size_m = 0.3 + 0.14 * pick(i, 141);
+        let lift = (out + Vec3::Y * 0.5).normalize();
+        let side = lift.cross(Vec3::Y).normalize();
+        let (side, front) = (side * size_m * 0.5, lift.cross(side.normalize()));
+        let stem = out * (0.16 + 0.22 * pick(i, 142)) + Vec3::Y * 1.05;
+        Mesh::patch(1, 3, |u, v| {
+            let droop = front * (0.15 * v * v * size_m);
+            let position = stem + side * (2.0 * u - 1.0) + lift * (v * size_m) - droop;
+            // Normals bend outward from the bush's middle, so that it shades as one soft mass.
+            let normal = (out + lift * (v - 0.3)).normalize();
+            Vertex { position, normal, texcoord: Vec2::new(u, 1.0 - v) }
+        })
+    }));
+    let bush = bush.colored(|p, _| Vec3::splat(smoothstep(0.0, 0.62, (p - Vec3::Y * 1.05).length())));
+    let (urn, bush) = (glb.geometry(&urn), glb.geometry(&bush));
+    let plant = glb.mesh("potted plant", &[(&urn, palette.terracotta), (&bush, palette.leaves)]);
+    let places =
+        [(-2.35, -7.1, 1.0), (2.35, -7.1, 1.0), (4.3, -1.6, 0.95), (-4.35, -7.1, 0.9), (4.35, -7.1, 0.9)];
+    for (i, (x_m, z_m, scale)) in places.into_iter().enumerate() {
+        let pose = Pose::at(x_m, 0.0, z_m).turned(pick(i, 143)).scaled(scale, scale, scale);
+        glb.place(&format!("potted plant {i}"), plant, pose);
+    }
 }

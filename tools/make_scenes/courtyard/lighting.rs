@@ -1,12 +1,15 @@
-//! The courtyard's 45 lights. Candela are such that surfaces a metre or two away come out near 1 nit.
+//! The courtyard's 47 lights. Candela are such that surfaces a metre or two away come out near 1 nit.
 
 use super::super::glb::{Glb, Light, LightKind, Pose};
 use super::super::shape::circle;
-use super::palette::{AMBER, BULB_COLORS};
+use super::palette::BULB_COLORS;
 use super::{FESTOONS, FOUNTAIN, Festoon, LANTERNS_M, POSTS_M, SHOP_Z_M};
 use glam::Vec3;
 
 use super::architecture::{ARCADE_X_M, PORTAL_Z_M};
+
+/// Linear Rec.709 of a lantern's light: paler than its glass looks.
+const AMBER: Vec3 = Vec3::new(1.0, 0.64, 0.33);
 
 /// Places all lights.
 pub fn build(glb: &mut Glb) {
@@ -20,7 +23,7 @@ pub fn build(glb: &mut Glb) {
     for p in LANTERNS_M {
         glb.light(lantern, Pose::at(p.x, p.y, p.z));
     }
-    let post = point("post light", AMBER, 7.0, 6.0);
+    let post = point("post light", AMBER, 11.0, 7.0);
     for [x_m, z_m] in POSTS_M {
         glb.light(post, Pose::at(x_m, 2.42, z_m));
     }
@@ -48,8 +51,8 @@ pub fn build(glb: &mut Glb) {
 /// Moon, the dusk sky as two broad directions, and what the paving throws back.
 fn sky(glb: &mut Glb) {
     let sources = [
-        ("moon", Vec3::new(0.55, 0.68, 1.0), 0.55, Vec3::new(0.55, 1.0, 0.5)),
-        ("zenith", Vec3::new(0.35, 0.42, 1.0), 0.3, Vec3::new(-0.2, 1.0, 0.3)),
+        ("moon", Vec3::new(0.5, 0.66, 1.0), 0.8, Vec3::new(0.55, 1.0, 0.5)),
+        ("zenith", Vec3::new(0.35, 0.45, 1.0), 0.36, Vec3::new(-0.2, 1.0, 0.3)),
         ("sunset", Vec3::new(1.0, 0.5, 0.42), 0.25, Vec3::new(-0.3, 0.35, -1.0)),
         ("ground", Vec3::new(0.9, 0.6, 0.5), 0.12, Vec3::new(0.0, -1.0, 0.4)),
     ];

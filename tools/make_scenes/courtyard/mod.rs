@@ -1,10 +1,10 @@
 //! A walled courtyard at dusk: wet paving, arcades, a fountain with an armillary sphere, lanterns and banners.
 
 mod architecture;
+mod fountain;
 mod furnishing;
 mod lighting;
 mod palette;
-mod plants;
 mod skyline;
 mod surface;
 
@@ -19,7 +19,7 @@ const FOUNTAIN: Pose =
 /// The bay of the west arcade that has the shop.
 const SHOP_Z_M: f32 = BAYS_Z_M[2];
 /// Lanterns that stand on posts: x and z.
-const POSTS_M: [[f32; 2]; 4] = [[-3.0, 3.4], [3.3, -3.2], [-3.3, -5.6], [1.9, 3.2]];
+const POSTS_M: [[f32; 2]; 4] = [[-3.0, 3.4], [2.9, -5.2], [-3.3, -5.6], [3.4, 1.8]];
 /// The hanging lanterns' flames, one in each arch.
 const LANTERNS_M: [Vec3; 10] = {
     let mut all = [Vec3::ZERO; 10];
@@ -77,8 +77,8 @@ pub fn glb() -> Vec<u8> {
     let palette = Palette::new(&mut glb);
     architecture::build(&mut glb, &palette);
     skyline::build(&mut glb, &palette);
+    fountain::build(&mut glb, &palette);
     furnishing::build(&mut glb, &palette);
-    plants::build(&mut glb, &palette);
     lighting::build(&mut glb);
     let view = |from: [f32; 3], target: [f32; 3]| Pose::looking(Vec3::from(from), Vec3::from(target));
     glb.perspective("main", 48.0, view([2.5, 1.75, 8.6], [-0.5, 2.55, -2.0]));

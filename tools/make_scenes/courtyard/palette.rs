@@ -31,14 +31,14 @@ pub struct Palette {
 
 /// Linear Rec.709 of the festoon's bulbs, in the order of [`Palette::bulbs`]; their lights share it.
 pub const BULB_COLORS: [Vec3; 4] = [
-    Vec3::new(1.0, 0.66, 0.22),
-    Vec3::new(1.0, 0.26, 0.16),
-    Vec3::new(0.14, 0.86, 0.78),
-    Vec3::new(0.52, 0.3, 1.0),
+    Vec3::new(1.0, 0.52, 0.12),
+    Vec3::new(1.0, 0.18, 0.1),
+    Vec3::new(0.06, 0.8, 0.7),
+    Vec3::new(0.38, 0.2, 1.0),
 ];
 
 /// Linear Rec.709 of a flame behind amber glass.
-pub const AMBER: Vec3 = Vec3::new(1.0, 0.56, 0.2);
+pub const AMBER: Vec3 = Vec3::new(1.0, 0.44, 0.12);
 
 impl Palette {
     /// Draws the textures and adds all materials.
@@ -77,7 +77,7 @@ impl Palette {
         Self {
             distant: glb.material(&Material {
                 name: "distant stone",
-                base_color: linear(0x54505c),
+                base_color: linear(0x8a8694),
                 roughness: 0.95,
                 ..plain.clone()
             }),
@@ -127,9 +127,9 @@ impl Palette {
                 let base_color_texture = Some(emblem);
                 glb.material(&Material { name: "banner", base_color_texture, ..cloth.clone() })
             }),
-            lantern_glass: glb.material(&glowing("lantern glass", AMBER, 2.4)),
+            lantern_glass: glb.material(&glowing("lantern glass", AMBER, 2.2)),
             window: glb.material(&glowing("lit window", Vec3::new(0.9, 0.5, 0.16), 1.0)),
-            bulbs: [0, 1, 2, 3].map(|i| glb.material(&glowing(bulb_names[i], BULB_COLORS[i], 3.0))),
+            bulbs: [0, 1, 2, 3].map(|i| glb.material(&glowing(bulb_names[i], BULB_COLORS[i], 2.5))),
             sky: glb.material(&Material { name: "dusk sky", unlit: true, ..plain.clone() }),
             paving: glb.material(&paving),
             wall: glb.material(&wall),

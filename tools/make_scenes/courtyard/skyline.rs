@@ -1,4 +1,4 @@
-//! What stands beyond the walls.
+//! Dusk, stars, and the town's roofs beyond the walls.
 
 use super::super::glb::{Glb, Pose};
 use super::super::mesh::Mesh;
@@ -8,17 +8,17 @@ use super::super::texture::linear;
 use super::palette::Palette;
 use glam::{Vec2, Vec3};
 
-/// Dusk, stars, and the town's roofs beyond the walls.
+/// Builds the sky's dome and the town.
 pub fn build(glb: &mut Glb, palette: &Palette) {
     const SKY_RADIUS_M: f32 = 90.0;
     let sunset = Vec3::new(0.0, 0.0, -1.0);
-    let dome = flipped_inward(sphere(SKY_RADIUS_M, 48, 24)).untextured().colored(|p, _| {
+    let dome = flipped_inward(sphere(SKY_RADIUS_M, 32, 40)).untextured().colored(|p, _| {
         let direction = p.normalize();
         let towards_sunset = 0.5 + 0.5 * direction.dot(sunset);
-        let horizon = linear(0x3a3358).lerp(linear(0xd8784a), towards_sunset.powi(3));
-        let middle = linear(0x232a55).lerp(linear(0x5a4470), towards_sunset.powi(2));
-        let low = horizon.lerp(middle, smoothstep(0.02, 0.3, direction.y));
-        low.lerp(linear(0x0c1634), smoothstep(0.22, 0.75, direction.y))
+        let glow = linear(0x4a4a78).lerp(linear(0xf0935a), towards_sunset.powi(4));
+        let middle = linear(0x2c3a72).lerp(linear(0x8a6a90), towards_sunset.powi(3));
+        let low = glow.lerp(middle, smoothstep(0.24, 0.4, direction.y));
+        low.lerp(linear(0x101f4e), smoothstep(0.36, 0.7, direction.y))
     });
     let mut stars = Vec::new();
     for i in 0..140 {
@@ -52,7 +52,7 @@ pub fn build(glb: &mut Glb, palette: &Palette) {
     .at(7.5, 0.0, -27.0);
     let (mut houses, mut panes) = (Vec::new(), Vec::new());
     for i in 0..9 {
-        let size_m = Vec3::new(4.0 + 3.0 * pick(i, 121), 8.6 + 2.6 * pick(i, 122), 5.0);
+        let size_m = Vec3::new(4.0 + 3.0 * pick(i, 121), 9.4 + 2.6 * pick(i, 122), 5.0);
         let (x_m, z_m) = (-18.0 + 4.5 * i as f32, -19.0 - 4.0 * pick(i, 123));
         houses.push(cuboid(size_m, 0.1).at(x_m, size_m.y / 2.0, z_m));
         for window in 0..2 {

@@ -42,12 +42,12 @@ pub fn paving() -> Surface {
         let tilt = (unit(m.stone, 14) - 0.5) * 0.006;
         let wet =
             smoothstep(-0.1, 0.35, fractal(uv, IVec2::splat(3), 3, 15) + 0.3 * (unit(m.stone, 16) - 0.5));
-        let dry = srgb(0x8d8a88).lerp(srgb(0xa3968a), tone) * (0.95 + 0.22 * grain);
+        let dry = srgb(0x858a94).lerp(srgb(0x9c958d), tone) * (0.95 + 0.22 * grain);
         let stone = dry * 0.92_f32.lerp(0.62, wet);
         Texel {
             albedo: (srgb(0x3a3630) * 0.8).lerp(stone, face),
             height_m: face * 0.012 + tilt * face + 0.0022 * grain * (1.0 - 0.7 * wet),
-            roughness: 0.85_f32.lerp(0.58.lerp(0.2, wet) + 0.08 * grain, face),
+            roughness: 0.85_f32.lerp(0.58.lerp(0.16, wet) + 0.08 * grain, face),
             metallic: 0.0,
         }
     })
@@ -63,7 +63,7 @@ pub fn wall() -> Surface {
         let grain = fractal(uv, IVec2::splat(20), 4, 24);
         let chisel = gradient_noise(uv * Vec2::new(96.0, 24.0), IVec2::new(96, 24), 25);
         let face = smoothstep(0.003, 0.026, m.edge_m + 0.004 * grain);
-        let color = srgb(0xb79f7d).lerp(srgb(0xa98a72), hue) * (0.82 + 0.3 * tone) * (1.0 + 0.16 * grain);
+        let color = srgb(0xb8a68c).lerp(srgb(0xa99484), hue) * (0.82 + 0.3 * tone) * (1.0 + 0.16 * grain);
         Texel {
             albedo: srgb(0x6f6353).lerp(color, face),
             height_m: face * (0.014 + 0.006 * tone) + 0.0022 * grain + 0.0009 * chisel * face,
@@ -79,8 +79,8 @@ pub fn limestone() -> Surface {
         let cloud = fractal(uv, IVec2::splat(3), 4, 31);
         let vein = 1.0 - smoothstep(0.0, 0.05, fractal(uv, IVec2::new(2, 4), 4, 32).abs());
         let pit = 1.0 - smoothstep(0.12, 0.34, cellular(uv, IVec2::splat(26), 33).nearest);
-        let pit = pit * smoothstep(0.0, 0.4, fractal(uv, IVec2::splat(4), 2, 34));
-        let color = srgb(0xcdc3b0).lerp(srgb(0xb9ab97), 0.5 + cloud) * (1.0 - 0.14 * vein - 0.3 * pit);
+        let pit = pit * smoothstep(0.2, 0.6, fractal(uv, IVec2::splat(4), 2, 34));
+        let color = srgb(0xcdc3b0).lerp(srgb(0xb9ab97), 0.5 + cloud) * (1.0 - 0.1 * vein - 0.2 * pit);
         Texel {
             albedo: color,
             height_m: 0.0014 * cloud - 0.0022 * pit - 0.0005 * vein,
@@ -227,4 +227,43 @@ pub fn leaves(uv: Vec2) -> (Vec3, f32) {
         }
     }
     result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean step of height between the line `at` and the one before it; `along` runs along the line.
+    fn mean_step_m(surface: &Surface, at: i32, across: IVec2, along: IVec2) -> f32 {
+        let size = surface.size_px();
+        let step = |i: i32| {
+            let here = across * at + along * i;
+            (surface.height_m(here) - surface.height_m(here - across)).abs()
+        };
+        (0..size).map(step).sum::<f32>() / size as f32
+    }
+
+    #[test]
+    fn surfaces_tile_without_a_seam() {
+        let surfaces = [
+            ("paving", paving()),
+            ("wall", wall()),
+            ("limestone", limestone()),
+            ("bronze", bronze()),
+            ("iron", iron()),
+            ("cloth", cloth()),
+            ("wood", wood()),
+            ("water", water()),
+        ];
+        for (name, surface) in &surfaces {
+            for (across, along) in [(IVec2::X, IVec2::Y), (IVec2::Y, IVec2::X)] {
+                let step = |at| mean_step_m(surface, at, across, along);
+                // The first line follows the last: its step may be as large as any inside, but no larger.
+                let inside = (1..surface.size_px()).map(step).fold(0.0, f32::max);
+                // Joints and threads may fall on the edge itself, where the largest of all steps are.
+                const SLACK: f32 = 1.05;
+                assert!(step(0) <= inside * SLACK, "{name}: {} m, inside at most {inside} m", step(0));
+            }
+        }
+    }
 }
