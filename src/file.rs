@@ -10,8 +10,8 @@ use crate::{Error, Result};
 /// Writes `bytes` as the whole content of `path`.
 ///
 /// The bytes go to a temporary file in the same folder, which then takes the place of `path`: whoever reads
-/// `path` sees the old content or the new, never a part. A symbolic link stays and its target is replaced; a
-/// device or pipe is written to directly.
+/// `path` sees the old content or the new, never a part. A symbolic link stays and its target is replaced or
+/// made; a device or pipe is written to directly.
 ///
 /// # Errors
 /// [`Error::Io`]; `path` is then as it was and no temporary file is left.
@@ -20,12 +20,17 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 }
 
 fn try_write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    match fs::metadata(path) {
+    let target = match fs::metadata(path) {
         Ok(found) if found.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
         Ok(found) if !found.is_file() => return fs::write(path, bytes),
-        _ => {}
-    }
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        Ok(_) => fs::canonicalize(path)?,
+        Err(e) if e.kind() == io::ErrorKind::NotFound => match fs::read_link(path) {
+            // A link to nothing: links in a circle are another kind of error, so this ends.
+            Ok(target) => return try_write_whole(&path.with_file_name(target), bytes),
+            Err(_) => path.to_owned(),
+        },
+        Err(e) => return Err(e),
+    };
     let mut temporary = Temporary::create_beside(&target)?;
     temporary.file.write_all(bytes)?;
     fs::rename(&temporary.path, &target)?;
@@ -43,14 +48,18 @@ struct Temporary {
 impl Temporary {
     fn create_beside(target: &Path) -> io::Result<Self> {
         static COUNT: AtomicU32 = AtomicU32::new(0);
-        let name = target.file_name().ok_or(io::ErrorKind::InvalidInput)?;
-        let unique = format!(".{}-{}.tmp", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
-        let mut hidden = std::ffi::OsString::from(".");
-        hidden.push(name);
-        hidden.push(unique);
-        let path = target.with_file_name(hidden);
-        let file = fs::File::create_new(&path)?;
-        Ok(Self { path, file, renamed: false })
+        target.file_name().ok_or(io::ErrorKind::InvalidInput)?;
+        loop {
+            // Not made from the target's name, which may be as long as names can be.
+            let count = COUNT.fetch_add(1, Ordering::Relaxed);
+            let path = target.with_file_name(format!(".ontile-{}-{count}.tmp", std::process::id()));
+            match fs::File::create_new(&path) {
+                Ok(file) => return Ok(Self { path, file, renamed: false }),
+                // Left by a process that was killed and had the same number.
+                Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(e) => return Err(e),
+            }
+        }
     }
 }
 
@@ -82,6 +91,14 @@ mod tests {
         write_whole(&path, b"second").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"second");
         assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_name_may_be_as_long_as_names_can_be() {
+        let folder = tempfile::tempdir().unwrap();
+        let name = "n".repeat(255);
+        write_whole(&folder.path().join(&name), b"x").unwrap();
+        assert_eq!(names(folder.path()), [name]);
     }
 
     #[test]
@@ -121,6 +138,17 @@ mod tests {
         write_whole(&link, b"new").unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&target).unwrap(), b"new");
+
+        let dangling = folder.path().join("dangling");
+        std::os::unix::fs::symlink("made", &dangling).unwrap();
+        write_whole(&dangling, b"new").unwrap();
+        assert!(fs::symlink_metadata(&dangling).unwrap().is_symlink());
+        assert_eq!(fs::read(folder.path().join("made")).unwrap(), b"new");
+
+        let circle = folder.path().join("circle");
+        std::os::unix::fs::symlink("circle", &circle).unwrap();
+        write_whole(&circle, b"new").unwrap_err();
+        assert!(fs::symlink_metadata(&circle).unwrap().is_symlink());
 
         write_whole(Path::new("/dev/null"), b"gone").unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());

@@ -29,6 +29,9 @@ pub enum Pixels {
     Rgba32F(Vec<f32>),
 }
 
+/// The largest picture that most devices can draw: 16384 x 16384 pixels, four 32-bit floats each.
+const MAX_DECODED_BYTES: u64 = 1 << 32;
+
 /// The kinds of picture file that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileFormat {
@@ -65,13 +68,20 @@ impl Picture {
     /// # Errors
     /// [`Error::Io`] if the file cannot be read, [`Error::Input`] if it is no picture of these formats.
     pub fn read(path: &Path) -> Result<Self> {
+        // Pipes may never say anything and devices never end.
+        if std::fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+            return Err(Error::input(path, "file", "is not a regular file", "name a picture file"));
+        }
         let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
         let undecodable = |e: image::ImageError| {
             Error::input(path, "picture", e.to_string(), "give a complete PNG, JPEG or OpenEXR file")
         };
-        let reader = ImageReader::new(Cursor::new(bytes))
+        let mut reader = ImageReader::new(Cursor::new(bytes))
             .with_guessed_format()
             .map_err(|e| Error::io(path, "read", e))?;
+        let mut limits = image::Limits::default();
+        limits.max_alloc = Some(MAX_DECODED_BYTES);
+        reader.limits(limits);
         let decoded = reader.decode().map_err(undecodable)?;
         let (width, height) = (decoded.width(), decoded.height());
         let pixels = match decoded {

@@ -8,7 +8,7 @@ use ontile::Result;
 use ontile::measure::{compare, false_color};
 use ontile::picture::{FileFormat, Picture};
 
-use super::print;
+use super::{output, print};
 
 /// Say how far picture B is from the reference A.
 ///
@@ -50,6 +50,11 @@ fn png(path: PathBuf) -> Result<PathBuf, String> {
 }
 
 pub fn run(args: &CompareArgs) -> Result<()> {
+    if let Some(path) = &args.picture {
+        let read = [Some(&args.reference), Some(&args.judged), args.mask.as_ref()];
+        let read: Vec<_> = read.into_iter().flatten().map(PathBuf::as_path).collect();
+        output::check(path, &read)?;
+    }
     let a = Picture::read(&args.reference)?;
     let b = Picture::read(&args.judged)?;
     let mask = args.mask.as_deref().map(Picture::read).transpose()?;

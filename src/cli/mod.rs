@@ -3,6 +3,7 @@
 mod args;
 mod compare;
 mod info;
+mod output;
 mod plan;
 mod print;
 mod progress;

@@ -29,11 +29,36 @@ pub fn value<T: Display + Serialize>(value: &T, json: bool) -> Result<()> {
 /// The one message of a run that failed.
 pub fn error(error: &Error) {
     // Nobody is left to tell if standard error is closed.
-    let _ = writeln!(io::stderr(), "ontile: {error}");
+    let _ = writeln!(io::stderr(), "ontile: {}", printable(&error.to_string()));
 }
 
 /// Something that the user should know, though the run goes on.
 pub fn warning(text: &str) {
     // Nobody is left to tell if standard error is closed.
-    let _ = writeln!(io::stderr(), "ontile: warning: {text}");
+    let _ = writeln!(io::stderr(), "ontile: warning: {}", printable(text));
+}
+
+/// One line of bounded length that cannot command the terminal, whatever names a file has in it.
+fn printable(text: &str) -> String {
+    const MAX_CHARS: usize = 1000;
+    let shown = text.chars().take(MAX_CHARS);
+    let mut out = String::new();
+    for c in shown {
+        if c.is_control() { out.extend(c.escape_default()) } else { out.push(c) }
+    }
+    if text.chars().nth(MAX_CHARS).is_some() {
+        out.push_str("...");
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::printable;
+
+    #[test]
+    fn messages_are_one_short_line_without_commands_to_the_terminal() {
+        assert_eq!(printable("grün\n\u{1b}[31m"), "grün\\n\\u{1b}[31m");
+        assert_eq!(printable(&"a".repeat(5000)).len(), 1003);
+    }
 }

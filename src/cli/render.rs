@@ -1,7 +1,6 @@
 //! `ontile render`
 
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use ontile::gpu::{Device, Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
@@ -12,6 +11,7 @@ use ontile::{Error, Result, file};
 use serde::Serialize;
 
 use super::args::{Output, PlanArgs, SceneArgs};
+use super::output;
 use super::progress::Progress;
 use super::scene;
 
@@ -76,17 +76,19 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     })
 }
 
-/// The files around the rendering: checks before the long work that both can have a place.
+/// The files around the rendering: checks before the long work that both can have a place of their own.
 pub(super) fn run_with<R: Serialize>(
     args: &RenderArgs,
     render: impl FnOnce() -> Result<(Picture, R)>,
 ) -> Result<()> {
     let report_path = args.run.report.as_deref();
-    for path in [Some(args.output.path.as_path()), report_path].into_iter().flatten() {
-        folder_exists(path)?;
+    let picture_path = args.output.path.as_path();
+    output::check(picture_path, &[&args.scene.scene])?;
+    if let Some(path) = report_path {
+        output::check(path, &[&args.scene.scene, picture_path])?;
     }
     let (picture, report) = render()?;
-    picture.write(&args.output.path)?;
+    picture.write(picture_path)?;
     if let Some(path) = report_path {
         let mut json =
             serde_json::to_string_pretty(&report).map_err(|e| Error::io(path, "write", e.into()))?;
@@ -141,12 +143,4 @@ fn draw(args: &RenderArgs, scene: &Scene, camera: &Camera, device: &Device) -> R
         progress.iter().for_each(Progress::step);
     }
     Ok((offscreen.picture(), offscreen.report(scene)))
-}
-
-fn folder_exists(path: &Path) -> Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-    if folder.is_none_or(Path::is_dir) {
-        return Ok(());
-    }
-    Err(Error::io(path, "write", io::Error::new(io::ErrorKind::NotFound, "its folder does not exist")))
 }

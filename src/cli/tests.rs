@@ -169,6 +169,12 @@ fn render_writes_picture_and_report_or_nothing() {
         assert!(done.unwrap_err().contains("its folder does not exist"));
         assert!(!called, "long work was done for nothing");
     }
+    let (done, called) = render("o.png", "../", false);
+    assert!(done.unwrap_err().contains("it is a folder"));
+    assert!(!called, "long work was done for nothing");
+    let (done, called) = render("o.png", "./o.png", false);
+    assert!(done.unwrap_err().contains("it would replace"));
+    assert!(!called, "long work was done for nothing");
     assert_eq!(render("o.png", "r.json", true).0.unwrap_err(), "nothing works; give up");
     assert_eq!(files(), 0);
 

@@ -24,6 +24,7 @@ fn shipped(name: &str) -> Option<Scene> {
     load(&path, ignored_unless_required)
 }
 
+/// One of Khronos' glTF sample models, from the folder beside the checkout or in `assets` of `ONTILE_SHARED`.
 fn sample(name: &str) -> Option<Scene> {
     let assets = std::env::var_os("ONTILE_SHARED").filter(|path| !path.is_empty()).map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/assets"),

@@ -256,6 +256,7 @@ fn check_head(path: &Path, json: &[u8]) -> Result<()> {
             }
             _ => "export the scene without this extension, or make it optional",
         };
+        let name = source::shortened(name);
         let problem = format!("the required extension {name} is not supported");
         return Err(Error::input(path, format!("extensionsRequired[{i}]"), problem, remedy));
     }

@@ -152,9 +152,10 @@ fn percent_decode(text: &str) -> Result<Vec<u8>, String> {
     Ok(out)
 }
 
-fn shortened(uri: &str) -> String {
-    match uri.char_indices().nth(60) {
-        Some((end, _)) => format!("{}...", &uri[..end]),
-        None => uri.into(),
+/// The start of a long text, for messages.
+pub fn shortened(text: &str) -> String {
+    match text.char_indices().nth(60) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.into(),
     }
 }
