@@ -100,6 +100,36 @@ fn output_formats_hold_the_same_picture() {
     });
 }
 
+#[test]
+fn what_adds_nothing_changes_nothing() {
+    on_device(None, |gpu| {
+        let same = [
+            (scenes::nothing(), scenes::empty_mesh()),
+            (scenes::lights_only(), scenes::one_empty_mesh()),
+            (scenes::no_lights(), scenes::dark_lights()),
+        ];
+        for (layout, output) in every(Layout::ALL, OutputFormat::ALL) {
+            let options = Options { size: SIZE, layout, output, ..Options::default() };
+            let picture = |scene: &Scene| gpu.picture(scene, gpu.plan(scene, options.clone()), 0.0);
+            for (without, with) in &same {
+                assert_eq!(difference(&picture(without), &picture(with)), None, "{}, {options:?}", with.name);
+            }
+        }
+    });
+}
+
+#[test]
+fn a_scene_of_nothing_is_black() {
+    on_device(None, |gpu| {
+        let scene = scenes::nothing();
+        let options = Options { size: SIZE, ..Options::default() };
+        let Pixels::Rgba8(channels) = gpu.picture(&scene, gpu.plan(&scene, options), 0.0).pixels else {
+            unreachable!()
+        };
+        assert!(channels.chunks(4).all(|pixel| pixel == [0, 0, 0, 255]));
+    });
+}
+
 /// Renders one frame a slot, all on the GPU at once, each with an exposure of its own.
 fn pictures_in_flight(gpu: &Gpu<'_>, scene: &Scene, plan: Plan, exposures_ev: &[f32]) -> Vec<Picture> {
     let config = RendererConfig { frames_in_flight: exposures_ev.len(), ..RendererConfig::default() };
