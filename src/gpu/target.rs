@@ -77,11 +77,6 @@ impl Target {
         Ok(Self { outputs, attachments, clear_values: clear_values(plan), extent, passes })
     }
 
-    /// The number of output images.
-    pub fn output_count(&self) -> usize {
-        self.outputs.len()
-    }
-
     /// The image of one of the plan's attachments; `None` for the output, which is the host's.
     pub fn attachment(&self, index: usize) -> Option<&Image> {
         self.attachments.get(index)?.as_ref()
