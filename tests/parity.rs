@@ -9,6 +9,7 @@ use ontile::gpu::{Commands, Image, ImageDesc, OutputImage, Readback, Renderer, R
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{Layout, Load, Options, OutputFormat, Plan, Strategy, Tonemap};
 use ontile::scene::Scene;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 const SIZE: [u32; 2] = [160, 90];
 
@@ -97,6 +98,66 @@ fn output_formats_hold_the_same_picture() {
             let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max();
             assert!(most <= Some(ENCODING_STEPS), "{}: {most:?} steps", scene.name);
         }
+    });
+}
+
+#[test]
+fn what_adds_nothing_changes_nothing() {
+    on_device(None, |gpu| {
+        let same = [
+            (scenes::nothing(), scenes::empty_mesh()),
+            (scenes::lights_only(), scenes::one_empty_mesh()),
+            (scenes::no_lights(), scenes::dark_lights()),
+        ];
+        for (layout, output) in every(Layout::ALL, OutputFormat::ALL) {
+            let options = Options { size: SIZE, layout, output, ..Options::default() };
+            let picture = |scene: &Scene| gpu.picture(scene, gpu.plan(scene, options.clone()), 0.0);
+            for (without, with) in &same {
+                assert_eq!(difference(&picture(without), &picture(with)), None, "{}, {options:?}", with.name);
+            }
+        }
+    });
+}
+
+#[test]
+fn a_scene_of_nothing_is_black() {
+    on_device(None, |gpu| {
+        let scene = scenes::nothing();
+        let options = Options { size: SIZE, ..Options::default() };
+        let Pixels::Rgba8(channels) = gpu.picture(&scene, gpu.plan(&scene, options), 0.0).pixels else {
+            unreachable!()
+        };
+        assert!(channels.chunks(4).all(|pixel| pixel == [0, 0, 0, 255]));
+    });
+}
+
+#[test]
+fn a_plan_for_another_scene_is_refused() {
+    on_device(None, |gpu| {
+        let plan = gpu.plan(&scenes::lights_only(), Options { size: SIZE, ..Options::default() });
+        let scene = scenes::every_feature();
+        let made = Renderer::new(gpu.device(), &scene, plan, RendererConfig::default(), gpu.cache());
+        let error = made.err().expect("no pipeline of the plan draws this scene").to_string();
+        assert!(error.contains("every_feature"), "{error}");
+    });
+}
+
+#[test]
+fn a_target_of_another_renderer_is_refused() {
+    on_device(None, |gpu| {
+        let scene = scenes::lights_only();
+        let plan = gpu.plan(&scene, Options { size: SIZE, ..Options::default() });
+        let config = RendererConfig::default();
+        let make = || Renderer::new(gpu.device(), &scene, plan.clone(), config, gpu.cache()).unwrap();
+        let [mut one, other] = [make(), make()];
+        let target = other.create_target(SIZE, &[]).unwrap();
+        let view = View { camera: &scene.cameras[0], exposure_ev: 0.0 };
+        let recorded = Commands::run(gpu.device(), "frame", |recorder| {
+            let record = AssertUnwindSafe(|| one.record(recorder, 0, &target, 0, &view));
+            Ok(catch_unwind(record).unwrap_err())
+        });
+        let panic = recorded.unwrap();
+        assert!(panic.downcast_ref::<&str>().is_some_and(|text| text.contains("another renderer")));
     });
 }
 

@@ -1,5 +1,7 @@
 //! The renderer: a plan made of Vulkan objects, and frames recorded with them.
 
+use std::sync::Arc;
+
 use ash::vk;
 
 use super::pass::create_render_pass;
@@ -9,9 +11,9 @@ use super::target::check_formats;
 use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
-use crate::Result;
-use crate::plan::{Pipeline, Plan, State};
+use crate::plan::{Needs, Pipeline, Plan, State};
 use crate::scene::Scene;
+use crate::{Error, Result};
 
 /// How a [`Renderer`] is set up.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +52,8 @@ pub struct Renderer {
     queries: Queries,
     scene: SceneData,
     pipelines: Pipelines,
-    passes: Vec<Owned<vk::RenderPass>>,
+    /// Shared with the targets: their framebuffers are of these passes.
+    passes: Arc<[Owned<vk::RenderPass>]>,
     plan: Plan,
     config: RendererConfig,
     device: Device,
@@ -70,7 +73,8 @@ impl Renderer {
     /// Makes everything that the plan lists.
     ///
     /// # Errors
-    /// [`crate::Error::Unsupported`] if the device lacks a format; [`crate::Error::Vulkan`].
+    /// [`Error::Unsupported`] if the device lacks a format or the plan was made for another scene;
+    /// [`Error::Vulkan`].
     pub fn new(
         device: &Device,
         scene: &Scene,
@@ -78,12 +82,18 @@ impl Renderer {
         config: RendererConfig,
         cache: &PipelineCache,
     ) -> Result<Self> {
+        if plan.needs != Needs::of(scene) {
+            return Err(Error::unsupported(
+                format!("the plan does not match what scene '{}' needs", scene.name),
+                "make the plan from this scene's `Needs`, after the last change to the scene",
+            ));
+        }
         check_formats(device, &plan)?;
         let passes = plan
             .passes
             .iter()
             .map(|pass| create_render_pass(device, &plan, pass))
-            .collect::<Result<Vec<_>>>()?;
+            .collect::<Result<Arc<[_]>>>()?;
         let pipelines = Pipelines::new(device, &plan, &passes, cache)?;
         let mut upload = Upload::new(device);
         let slot_count = config.frames_in_flight.max(1);
@@ -119,7 +129,7 @@ impl Renderer {
     /// targets of several sizes; the plan's own size is only the one that reports speak of.
     ///
     /// # Errors
-    /// [`crate::Error::Unsupported`] if the device has no images of that size; [`crate::Error::Vulkan`].
+    /// [`Error::Unsupported`] if the device has no images of that size; [`Error::Vulkan`].
     pub fn create_target(&self, size: [u32; 2], outputs: &[OutputImage]) -> Result<Target> {
         let Self { device, plan, passes, pipelines, config, .. } = self;
         Target::new(device, plan, passes, pipelines, size, outputs, config.capture)
@@ -159,7 +169,7 @@ impl Renderer {
     /// each stage (with [`RendererConfig::stage_timestamps`]) and at its end.
     ///
     /// # Errors
-    /// [`crate::Error::Vulkan`], e.g. when the device was lost.
+    /// [`Error::Vulkan`], e.g. when the device was lost.
     pub fn query_results(&self, slot: usize) -> Result<QueryResults> {
         self.queries.results(slot as u32)
     }
@@ -172,13 +182,13 @@ impl Renderer {
     /// Records a frame: no allocation, no wait, no submission.
     ///
     /// `slot` is below [`RendererConfig::frames_in_flight`], and the GPU has finished the frame that was recorded with it
-    /// before. `output` is an index into the target's images. Earlier accesses to the output image are ordered by the
-    /// render pass if they are copies or colour writes on the same queue; a swapchain's semaphore is waited for at the
-    /// stage COLOR_ATTACHMENT_OUTPUT. Afterwards the image is in
-    /// [`Self::output_layout`].
+    /// before. `target` comes from this renderer's [`Self::create_target`], and `output` is an index into its images.
+    /// The render pass orders earlier accesses to the output image on the same queue if they are colour writes or of
+    /// the plan's [`OutputUse`](crate::plan::OutputUse); a swapchain's semaphore is waited for at the stage
+    /// COLOR_ATTACHMENT_OUTPUT. Afterwards the image is in [`Self::output_layout`].
     ///
     /// # Panics
-    /// If `slot` or `output` is out of range.
+    /// If `slot` or `output` is out of range, or the target is another renderer's.
     pub fn record(
         &mut self,
         recorder: &Recorder<'_>,
@@ -187,6 +197,7 @@ impl Renderer {
         output: usize,
         view: &View<'_>,
     ) {
+        assert!(target.is_of(&self.passes), "the target was created by another renderer");
         let vk::Extent2D { width, height } = target.extent();
         self.scene.write_frame(slot, view, &self.plan, [width, height]);
         let mut frame =

@@ -267,8 +267,7 @@ fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
 fn batches(scene: &Scene, plan: &Plan) -> (Vec<Batch>, Vec<InstanceData>) {
     let ambient = scene.ambient_nt != glam::Vec3::ZERO;
     let mut order: Vec<_> = scene
-        .instances
-        .iter()
+        .drawn_instances()
         .map(|instance| {
             let mesh = &scene.meshes[instance.mesh];
             let kind =

@@ -1,5 +1,7 @@
 //! What a frame is drawn to: the host's images, and the attachments that exist only while a pass runs.
 
+use std::sync::Arc;
+
 use ash::vk;
 
 use super::descriptor::{Content, DescriptorSets};
@@ -9,7 +11,9 @@ use crate::plan::{Load, Pipeline, Plan, check_size};
 use crate::{Error, Result};
 
 /// A host's image that frames are drawn to: of the target's size, one sample, one level, of the format
-/// `Renderer::output_format`, with at least the usage `Renderer::output_usage`. The host keeps image and view alive as long as the [`Target`].
+/// [`Renderer::output_format`](super::Renderer::output_format), with at least the usage
+/// [`Renderer::output_usage`](super::Renderer::output_usage). The host keeps image and view alive as long as the
+/// [`Target`].
 #[derive(Clone, Copy, Debug)]
 pub struct OutputImage {
     /// The image.
@@ -27,6 +31,8 @@ pub struct Target {
     attachments: Vec<Option<Image>>,
     clear_values: Vec<Vec<vk::ClearValue>>,
     extent: vk::Extent2D,
+    /// Its renderer's.
+    passes: Arc<[Owned<vk::RenderPass>]>,
 }
 
 /// What depends on the output image.
@@ -42,7 +48,7 @@ impl Target {
     pub(super) fn new(
         device: &Device,
         plan: &Plan,
-        passes: &[Owned<vk::RenderPass>],
+        passes: &Arc<[Owned<vk::RenderPass>]>,
         pipelines: &Pipelines,
         size: [u32; 2],
         outputs: &[OutputImage],
@@ -67,17 +73,18 @@ impl Target {
         let extent = vk::Extent2D { width: size[0], height: size[1] };
         let build = OutputBuilder { device, plan, passes, pipelines, attachments: &attachments, extent };
         let outputs = outputs.iter().map(|o| build.build(o)).collect::<Result<_>>()?;
-        Ok(Self { outputs, attachments, clear_values: clear_values(plan), extent })
-    }
-
-    /// The number of output images.
-    pub fn output_count(&self) -> usize {
-        self.outputs.len()
+        let passes = Arc::clone(passes);
+        Ok(Self { outputs, attachments, clear_values: clear_values(plan), extent, passes })
     }
 
     /// The image of one of the plan's attachments; `None` for the output, which is the host's.
     pub fn attachment(&self, index: usize) -> Option<&Image> {
         self.attachments.get(index)?.as_ref()
+    }
+
+    /// Whether the renderer with these passes created it.
+    pub(super) fn is_of(&self, passes: &Arc<[Owned<vk::RenderPass>]>) -> bool {
+        Arc::ptr_eq(&self.passes, passes)
     }
 
     pub(super) fn extent(&self) -> vk::Extent2D {

@@ -89,6 +89,13 @@ fn pass(
         let used_later = frame.resources[last.resource].kept || frame.lifetime(last.resource).1 > last_stage;
         let store = if used_later { Store::Store } else { Store::DontCare };
 
+        let kept = frame.resources.iter().enumerate().find(|(r, res)| res.kept && place_of(*r) == attachment);
+        let host = kept.and_then(|(r, _)| match r {
+            Frame::OUTPUT => Access::after_frame(options.output_use),
+            _ => Some(Access::TransferRead),
+        });
+        // Later passes of a frame wait for its first one.
+        let earlier_host = host.filter(|_| !states.contains_key(&attachment));
         let before = states.get(&attachment).copied().unwrap_or(State::Undefined);
         let after = match last.how {
             _ if is_output => State::after_frame(options.output_use),
@@ -100,13 +107,8 @@ fn pass(
         states.insert(attachment, after);
 
         dependencies.order_within(frame, touches, depth);
-        dependencies.order_with_outside(
-            touches,
-            depth,
-            load,
-            store,
-            (is_output && used_later).then_some(options),
-        );
+        dependencies.order_after_outside(first, touches.len() == 1, depth, load, earlier_host);
+        dependencies.order_before_outside(last.subpass, depth, store, host.filter(|_| is_output));
         attachments.push(PassAttachment {
             attachment,
             load,
@@ -208,32 +210,34 @@ impl Dependencies {
         }
     }
 
-    /// Orders the pass's first touch after earlier passes and frames, and what follows after its last one.
-    fn order_with_outside(
+    /// Orders the pass's first touch after earlier passes and frames, and after what the host did since.
+    fn order_after_outside(
         &mut self,
-        touches: &[Touch],
+        first: &Touch,
+        is_only: bool,
         depth: bool,
         load: Load,
-        store: Store,
-        output: Option<&Options>,
+        host: Option<Access>,
     ) {
-        let [first, last] = [&touches[0], &touches[touches.len() - 1]];
         let mut after = Access::of(first.how);
         after.insert(Access::load(depth, load));
-        if touches.len() == 1 {
+        if is_only {
             after.insert(Access::store(depth));
         }
         let mut before: Scope = [Access::store(depth), Access::InputRead].into();
-        before.extend(output.and_then(|o| Access::after_frame(o.output_use)));
+        before.extend(host);
         let why = "attachments are used by earlier passes and frames".to_owned();
         self.add(None, Some(first.subpass), before, after, why);
-        if let Some(access) = output.and_then(|o| Access::after_frame(o.output_use)) {
-            let before = [Access::store(depth)].into();
-            self.add(Some(last.subpass), None, before, [access].into(), "the host uses the output".into());
+    }
+
+    /// Orders what the host does with the output, or later passes with what is stored, after the last touch.
+    fn order_before_outside(&mut self, last: usize, depth: bool, store: Store, host: Option<Access>) {
+        let before = [Access::store(depth)].into();
+        if let Some(access) = host {
+            self.add(Some(last), None, before, [access].into(), "the host uses the output".into());
         } else if store == Store::Store {
-            let before = [Access::store(depth)].into();
             let after = [Access::InputRead, Access::load(depth, Load::Load), Access::TransferRead].into();
-            self.add(Some(last.subpass), None, before, after, "later passes load what is stored".into());
+            self.add(Some(last), None, before, after, "later passes load what is stored".into());
         }
     }
 

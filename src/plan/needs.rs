@@ -168,7 +168,7 @@ impl Needs {
     pub fn of(scene: &Scene) -> Self {
         let ambient = scene.ambient_nt != glam::Vec3::ZERO;
         let mut kinds: BTreeMap<SurfaceKind, KindNeed> = BTreeMap::new();
-        for instance in &scene.instances {
+        for instance in scene.drawn_instances() {
             let mesh = &scene.meshes[instance.mesh];
             let material = &scene.materials[mesh.material];
             let kind = SurfaceKind::new(mesh, material, instance.is_mirrored(), ambient);

@@ -189,6 +189,27 @@ proptest! {
     }
 
     #[test]
+    fn the_hosts_image_is_written_only_after_the_host_has_used_it(frame in frames(), options in options()) {
+        let places = derive::place(&frame, &options);
+        let passes = derive::passes(&frame, &places, &options);
+        let host = Access::after_frame(options.output_use).unwrap();
+        for (attachment, place) in places.iter().enumerate() {
+            if !place.iter().any(|&r| frame.resources[r].kept) {
+                continue;
+            }
+            // `Options::default` copies the output, as hosts copy a kept G-buffer.
+            let first = passes.iter().position(|p| p.attachments.iter().any(|a| a.attachment == attachment));
+            let first_stage: usize = passes[..first.unwrap()].iter().map(|p| p.subpasses.len()).sum();
+            let uses = |s: usize| frame.stages[s].uses.iter().any(|(r, _)| place.contains(r));
+            let subpass = (first_stage..).find(|&s| uses(s)).unwrap() - first_stage;
+            let waits = passes[first.unwrap()].dependencies.iter().any(|d| {
+                (d.from, d.to) == (None, Some(subpass)) && d.before.contains(&host)
+            });
+            prop_assert!(waits, "attachment {attachment}");
+        }
+    }
+
+    #[test]
     fn recycling_saves_attachments_and_never_adds_traffic(frame in frames(), options in options()) {
         let count = |recycle| {
             let options = Options { recycle, ..options.clone() };

@@ -55,6 +55,11 @@ impl Scene {
             .reduce(|a, b| a.union(&b))
     }
 
+    /// The instances that have triangles to draw.
+    pub(crate) fn drawn_instances(&self) -> impl Iterator<Item = &Instance> {
+        self.instances.iter().filter(|i| !self.meshes[i.mesh].indices.is_empty())
+    }
+
     /// The number of triangles that one frame draws, instances counted.
     pub fn triangle_count(&self) -> usize {
         self.instances.iter().map(|i| self.meshes[i.mesh].indices.len() / 3).sum()

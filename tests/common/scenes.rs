@@ -63,6 +63,11 @@ pub fn built() -> Vec<Scene> {
         wholly_unlit(),
         one_unlit_triangle(),
         one_lit_triangle(),
+        nothing(),
+        empty_mesh(),
+        one_empty_mesh(),
+        dark_lights(),
+        inside(),
     ]
 }
 
@@ -198,6 +203,54 @@ pub fn one_lit_triangle() -> Scene {
     let triangle = Mesh { indices: vec![0, 1, 2], ..square() };
     add(&mut scene, triangle, rough("paper", Vec3::new(0.2, 0.5, 0.8)), &[at(0.0, 1.0, 0.0)]);
     scene.lights = lights();
+    scene
+}
+
+/// No instance, mesh, material or light; the picture is the background.
+pub fn nothing() -> Scene {
+    Scene { name: "nothing".into(), cameras: vec![camera()], ..Scene::default() }
+}
+
+/// The only instance has no triangles: [`nothing`]'s picture.
+pub fn empty_mesh() -> Scene {
+    let mut scene = Scene { name: "empty_mesh".into(), lights: lights(), ..nothing() };
+    add(&mut scene, Mesh::default(), rough("void", Vec3::ONE), &[at(0.0, 0.5, 0.0)]);
+    scene
+}
+
+/// [`lights_only`] beside an instance without triangles, whose material would need a light target.
+pub fn one_empty_mesh() -> Scene {
+    let mut scene = Scene { name: "one_empty_mesh".into(), ..lights_only() };
+    let glow = Material { emissive_factor: Vec3::ONE, ..rough("void", Vec3::ONE) };
+    add(&mut scene, Mesh::default(), glow, &[at(0.0, 0.5, 0.0)]);
+    scene
+}
+
+/// [`emissive`] with lights of all kinds that add nothing: their intensity or their range is 0.
+pub fn dark_lights() -> Scene {
+    let dark = |light: &Light| {
+        let kind = match light.kind {
+            LightKind::Directional { .. } => LightKind::Directional { illuminance_lx: 0.0 },
+            LightKind::Point { .. } => LightKind::Point { intensity_cd: 0.0 },
+            LightKind::Spot { inner_cone_rad, outer_cone_rad, .. } => {
+                LightKind::Spot { intensity_cd: 0.0, inner_cone_rad, outer_cone_rad }
+            }
+        };
+        Light { kind, ..light.clone() }
+    };
+    let near = |light: &Light| Light { range_m: Some(0.0), ..light.clone() };
+    let all = lights();
+    let lights = all.iter().map(dark).chain(all[1..].iter().map(near)).collect();
+    Scene { name: "dark_lights".into(), lights, ..emissive() }
+}
+
+/// [`every_feature`] from within a sphere, with a light at the very camera.
+pub fn inside() -> Scene {
+    let mut scene = Scene { name: "inside".into(), ..every_feature() };
+    let eye = scene.cameras[0].world_from_view.transform_point3(Vec3::ZERO);
+    let shell = Material { double_sided: true, ..rough("shell", Vec3::new(0.6, 0.5, 0.4)) };
+    add(&mut scene, sphere(), shell, &[Mat4::from_translation(eye)]);
+    scene.lights[1].position_world = eye;
     scene
 }
 
