@@ -107,6 +107,12 @@ impl std::fmt::Display for Distance {
     }
 }
 
+fn aside(picture: &Picture) -> Picture {
+    let Pixels::Rgba8(mut channels) = picture.pixels.clone() else { panic!("PNGs have 8 bits") };
+    channels.rotate_right(8);
+    Picture { pixels: Pixels::Rgba8(channels), ..*picture }
+}
+
 #[test]
 fn swiftshader_draws_what_lavapipe_draws() {
     let Some(swiftshader) = swiftshader_env() else { return };
@@ -126,7 +132,7 @@ fn swiftshader_draws_what_lavapipe_draws() {
             return;
         }
     }
-    let (mut failures, mut noticed) = (Vec::new(), Vec::new());
+    let (mut failures, mut telling) = (Vec::new(), 0);
     for scene in all_scenes() {
         let [a, b] = [0, 1].map(|i| Picture::read(&picture_of(&scene, folders[i].path())).unwrap());
         let distance = Distance::between(&a, &b);
@@ -134,13 +140,13 @@ fn swiftshader_draws_what_lavapipe_draws() {
         if !distance.is_small() {
             failures.push(format!("{}: {distance}", scene.name));
         }
-        // Able to fail: the picture two pixels aside. Dark scenes with few edges cannot tell.
-        let Pixels::Rgba8(mut channels) = b.pixels else { unreachable!() };
-        channels.rotate_right(8);
-        let aside = Picture { pixels: Pixels::Rgba8(channels), ..b };
-        noticed.push(!Distance::between(&a, &aside).is_small());
+        // Able to fail: SwiftShader's picture two pixels aside, where lavapipe's own would be seen aside.
+        if !Distance::between(&a, &aside(&a)).is_small() {
+            telling += 1;
+            let seen = !Distance::between(&a, &aside(&b)).is_small();
+            assert!(seen, "{}: two pixels aside are not seen", scene.name);
+        }
     }
-    let share = noticed.iter().filter(|&&n| n).count() as f64 / noticed.len() as f64;
-    assert!(share > 0.75, "two pixels aside are seen only in {noticed:?}");
+    assert!(telling > 5, "only {telling} scenes have enough edges to tell");
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

@@ -29,9 +29,11 @@ pub(super) fn material(m: &Material) -> MaterialData {
     }
 }
 
-/// Directional, point and spot lights in this order, and how many there are of each.
+/// Directional, point and spot lights in this order, dark ones left out, and how many there are of each.
 pub(super) fn lights(lights: &[Light]) -> (Vec<LightData>, [u32; 3]) {
-    let group = |wanted: fn(&LightKind) -> bool| lights.iter().filter(move |l| wanted(&l.kind)).map(light);
+    let group = |wanted: fn(&LightKind) -> bool| {
+        lights.iter().filter(move |l| !l.is_dark() && wanted(&l.kind)).map(light)
+    };
     let groups: [Vec<_>; 3] = [
         group(|k| matches!(k, LightKind::Directional { .. })).collect(),
         group(|k| matches!(k, LightKind::Point { .. })).collect(),

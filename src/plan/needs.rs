@@ -153,11 +153,11 @@ pub struct Needs {
     /// Why light must be summed before lighting (emission, ambient light, unlit surfaces beside lit ones);
     /// empty if nothing asks for a light target.
     pub prelit: Vec<String>,
-    /// Directional lights.
+    /// Directional lights that are not dark.
     pub directional_lights: usize,
-    /// Point lights.
+    /// Point lights that are not dark.
     pub point_lights: usize,
-    /// Spot lights.
+    /// Spot lights that are not dark.
     pub spot_lights: usize,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
@@ -191,7 +191,8 @@ impl Needs {
             ask(|k| k.unlit, "is unlit");
             ask(|k| k.ambient, "receives ambient light");
         }
-        let count = |wanted: fn(&LightKind) -> bool| scene.lights.iter().filter(|l| wanted(&l.kind)).count();
+        let lights = || scene.lights.iter().filter(|l| !l.is_dark());
+        let count = |wanted: fn(&LightKind) -> bool| lights().filter(|l| wanted(&l.kind)).count();
         Self {
             lit,
             prelit,

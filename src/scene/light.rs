@@ -19,6 +19,17 @@ pub struct Light {
     pub range_m: Option<f32>,
 }
 
+impl Light {
+    /// Whether it adds nothing anywhere: no colour, no intensity, or no range.
+    pub fn is_dark(&self) -> bool {
+        let (intensity, local) = match self.kind {
+            LightKind::Directional { illuminance_lx } => (illuminance_lx, false),
+            LightKind::Point { intensity_cd } | LightKind::Spot { intensity_cd, .. } => (intensity_cd, true),
+        };
+        self.color * intensity == Vec3::ZERO || (local && self.range_m == Some(0.0))
+    }
+}
+
 /// Type of a [`Light`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
