@@ -236,7 +236,10 @@ impl Plan {
         match pipeline {
             P::Surface(kind) => {
                 let need = self.needs.kinds.iter().find(|n| n.kind == *kind);
-                let why = need.map(|n| format!(" ({} instances, first {})", n.instances, n.why));
+                let why = need.map(|n| match n.instances {
+                    1 => format!(" ({})", n.why),
+                    instances => format!(" ({instances} instances, first {})", n.why),
+                });
                 format!("surface {kind}{}", why.unwrap_or_default())
             }
             P::Lighting if self.folded => format!("lighting, {} tone curve", self.options.tonemap),

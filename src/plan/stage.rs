@@ -131,9 +131,8 @@ impl Frame {
             name: "geometry",
             uses: written.chain(depth_uses).collect(),
             why: format!(
-                "{} kind{} of surface fill the G-buffer",
-                needs.kinds.len(),
-                if needs.kinds.len() == 1 { "" } else { "s" }
+                "{} of surface in the G-buffer",
+                if needs.kinds.len() == 1 { "1 kind".into() } else { format!("{} kinds", needs.kinds.len()) }
             ),
         };
         let read = surface.iter().map(|&r| (r, Use::Read));
