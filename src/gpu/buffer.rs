@@ -44,7 +44,12 @@ impl Buffer {
         let raw = unsafe { device.create_buffer(&info, desc.name) }?;
         // SAFETY: the buffer is alive.
         let requirements = unsafe { device.raw().get_buffer_memory_requirements(raw.raw()) };
-        let memory = Memory::new(device, requirements, desc.memory, true, None, desc.name)?;
+        let memory = match desc.memory {
+            MemoryUse::Device if desc.usage.contains(vk::BufferUsageFlags::INDEX_BUFFER) => {
+                Memory::unmapped(device, requirements, desc.name)?
+            }
+            memory_use => Memory::new(device, requirements, memory_use, true, None, desc.name)?,
+        };
         let (block, offset) = memory.binding();
         // SAFETY: neither is bound yet, and the memory was allocated for these requirements.
         unsafe { device.raw().bind_buffer_memory(raw.raw(), block, offset) }.called("vkBindBufferMemory")?;

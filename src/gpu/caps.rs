@@ -229,11 +229,19 @@ impl Caps {
 
 /// The set of memory types (bit `i` for type `i`) that are lazily allocated.
 pub(crate) fn lazy_types(memory: &vk::PhysicalDeviceMemoryProperties) -> u32 {
+    types_with(memory, vk::MemoryPropertyFlags::LAZILY_ALLOCATED)
+}
+
+/// The set of memory types that have these properties.
+pub(crate) fn types_with(
+    memory: &vk::PhysicalDeviceMemoryProperties,
+    properties: vk::MemoryPropertyFlags,
+) -> u32 {
     memory
         .memory_types_as_slice()
         .iter()
         .enumerate()
-        .filter(|(_, ty)| ty.property_flags.contains(vk::MemoryPropertyFlags::LAZILY_ALLOCATED))
+        .filter(|(_, ty)| ty.property_flags.contains(properties))
         .fold(0, |set, (i, _)| set | 1 << i)
 }
 

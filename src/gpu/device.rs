@@ -1,6 +1,6 @@
 //! The device that everything is made from: ours or a host engine's.
 
-use super::caps::{Caps, lazy_types};
+use super::caps::{Caps, lazy_types, types_with};
 use super::headless::OwnedDevice;
 use super::owned::{Counters, Live};
 use crate::{Error, Result};
@@ -182,6 +182,11 @@ impl Device {
     /// The set of memory types that are lazily allocated.
     pub(crate) fn lazy_memory_types(&self) -> u32 {
         lazy_types(&self.shared.memory)
+    }
+
+    /// The set of memory types that are the device's own.
+    pub(crate) fn device_local_memory_types(&self) -> u32 {
+        types_with(&self.shared.memory, vk::MemoryPropertyFlags::DEVICE_LOCAL)
     }
 
     /// How many clones of this device exist, those inside its objects counted in.

@@ -31,6 +31,8 @@ enum Block {
     Shared(Allocation),
     /// All of a lazily allocated memory object.
     Lazy(Owned<vk::DeviceMemory>),
+    /// The beginning of a memory object that is never mapped.
+    Unmapped(Owned<vk::DeviceMemory>),
 }
 
 /// Best practice checks report memory objects below this size. For lazily allocated ones the rounding costs
@@ -94,6 +96,26 @@ impl Memory {
         Ok(Some(Self::counted(device, Block::Lazy(memory), bytes)))
     }
 
+    /// A memory object that nothing ever maps, for index buffers. gpu-allocator maps every block that can be mapped, and
+    /// 1.3 validation layers then scan index data at the block's start instead of at the buffer's offset: they judge, and
+    /// may crash on, whatever lies there.
+    pub(crate) fn unmapped(
+        device: &Device,
+        requirements: vk::MemoryRequirements,
+        name: &str,
+    ) -> Result<Self> {
+        let possible = requirements.memory_type_bits & !device.lazy_memory_types();
+        let local = possible & device.device_local_memory_types();
+        let types = if local == 0 { possible } else { local };
+        let bytes = requirements.size.max(LEAST_OWN_BLOCK_BYTES);
+        let info = vk::MemoryAllocateInfo::default()
+            .allocation_size(bytes)
+            .memory_type_index(types.trailing_zeros());
+        // SAFETY: every buffer has a type that is not lazily allocated (Vulkan 1.1, 11.6), and the size is not zero.
+        let memory = unsafe { device.allocate_memory(&info, name) }?;
+        Ok(Self::counted(device, Block::Unmapped(memory), bytes))
+    }
+
     fn counted(device: &Device, block: Block, bytes: u64) -> Self {
         device.counters().add_memory(bytes);
         Self { block, bytes, device: device.clone() }
@@ -104,7 +126,7 @@ impl Memory {
         match &self.block {
             // SAFETY: the handle is used to bind a resource that is destroyed before this owner.
             Block::Shared(allocation) => (unsafe { allocation.memory() }, allocation.offset()),
-            Block::Lazy(memory) => (memory.raw(), 0),
+            Block::Lazy(memory) | Block::Unmapped(memory) => (memory.raw(), 0),
         }
     }
 
@@ -116,7 +138,7 @@ impl Memory {
     /// What the driver has committed to lazily allocated memory; `None` for ordinary memory.
     pub(crate) fn committed_bytes(&self) -> Option<u64> {
         match &self.block {
-            Block::Shared(_) => None,
+            Block::Shared(_) | Block::Unmapped(_) => None,
             Block::Lazy(memory) => {
                 // SAFETY: the memory is alive and of a lazily allocated type.
                 Some(unsafe { self.device.raw().get_device_memory_commitment(memory.raw()) })
@@ -128,7 +150,7 @@ impl Memory {
     pub(crate) fn mapped(&self) -> Option<&[u8]> {
         match &self.block {
             Block::Shared(allocation) => allocation.mapped_slice(),
-            Block::Lazy(_) => None,
+            Block::Lazy(_) | Block::Unmapped(_) => None,
         }
     }
 
@@ -136,7 +158,7 @@ impl Memory {
     pub(crate) fn mapped_mut(&mut self) -> Option<&mut [u8]> {
         match &mut self.block {
             Block::Shared(allocation) => allocation.mapped_slice_mut(),
-            Block::Lazy(_) => None,
+            Block::Lazy(_) | Block::Unmapped(_) => None,
         }
     }
 }

@@ -53,10 +53,8 @@ unsafe extern "system" fn collect(
         false => unsafe { CStr::from_ptr(s) }.to_string_lossy().into_owned(),
     };
     let (id, message) = (text(data.p_message_id_name), text(data.p_message));
-    let unheard = is_about_ourselves(&id, &message)
-        || reads_the_wrong_indices(&id)
-        || is_about_unread_varyings(&id)
-        || is_about_wrapping(&id);
+    let unheard =
+        is_about_ourselves(&id, &message) || is_about_unread_varyings(&id) || is_about_wrapping(&id);
     if unheard {
         return vk::FALSE;
     }
@@ -68,13 +66,6 @@ unsafe extern "system" fn collect(
 fn is_about_ourselves(id: &str, message: &str) -> bool {
     let ours = ["VK_EXT_debug_utils", "VK_EXT_validation_features", "VK_EXT_layer_settings"];
     id.contains("specialuse-extension") && ours.iter().any(|extension| message.contains(extension))
-}
-
-/// Layers of 1.3 look for sparse index buffers at the start of the memory object instead of at the buffer's offset in it,
-/// and so judge other data than what is drawn (the remark goes away when the index buffer is alone in its memory). Newer
-/// layers name the check otherwise and are heard.
-fn reads_the_wrong_indices(id: &str) -> bool {
-    id == "UNASSIGNED-BestPractices-vkCmdDrawIndexed-sparse-index-buffer"
 }
 
 /// One vertex module serves fragment modules that read more of its outputs and others that read fewer. Vulkan allows it,

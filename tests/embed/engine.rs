@@ -317,10 +317,7 @@ unsafe extern "system" fn collect(
             });
             (&*user_data.cast_const().cast::<Messages>(), texts)
         };
-        // A check of 1.3 layers that reads indices from the wrong offset (see src/gpu/validation.rs).
-        if id != "UNASSIGNED-BestPractices-vkCmdDrawIndexed-sparse-index-buffer" {
-            messages.lock().unwrap().push(format!("{id}: {text}"));
-        }
+        messages.lock().unwrap().push(format!("{id}: {text}"));
     });
     vk::FALSE
 }
