@@ -111,7 +111,8 @@ impl Memory {
         let info = vk::MemoryAllocateInfo::default()
             .allocation_size(bytes)
             .memory_type_index(types.trailing_zeros());
-        // SAFETY: every buffer has a type that is not lazily allocated (Vulkan 1.1, 11.6), and the size is not zero.
+        // SAFETY: every buffer has a type that is not lazily allocated (Vulkan specification,
+        // "Resource Memory Association"), and the size is not zero.
         let memory = unsafe { device.allocate_memory(&info, name) }?;
         Ok(Self::counted(device, Block::Unmapped(memory), bytes))
     }
