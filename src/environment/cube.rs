@@ -151,7 +151,11 @@ mod tests {
                     let inwards = direction(face, 0.0, 0.0) * 1e-9;
                     let (here, there) = (cube.sample(d + inwards), cube.sample(d - inwards));
                     assert!((here - there).length() < 1e-5, "face {face}, {s}, {t}: {here} {there}");
-                    assert!((here - value(d)).length() < CORNER, "face {face}, {s}, {t}: {here} {}", value(d));
+                    assert!(
+                        (here - value(d)).length() < CORNER,
+                        "face {face}, {s}, {t}: {here} {}",
+                        value(d)
+                    );
                 }
             }
         }

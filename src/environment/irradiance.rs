@@ -37,15 +37,19 @@ const COSINE: [f64; 9] = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25
 pub fn project(panorama: &Panorama) -> [Vec3; 9] {
     let (width, height) = (panorama.width() as usize, panorama.height() as usize);
     let row = |y: usize| {
-        // The exact solid angle of a row's texels.
+        // Texels hold over their row's height, where two points of Gauss and Legendre in cos(theta), solid angle but for a
+        // constant, integrate all harmonics of even order exactly: uniform light stays uniform.
         let edge = |i: usize| (PI * i as f64 / height as f64).cos();
-        let solid_angle = (edge(y) - edge(y + 1)) * TAU / width as f64;
+        let (middle, half) = ((edge(y) + edge(y + 1)) / 2.0, (edge(y) - edge(y + 1)) / 2.0);
         let mut sum = [DVec3::ZERO; 9];
-        for (x, texel) in panorama.texels()[y * width..(y + 1) * width].iter().enumerate() {
-            let place = [(x as f64 + 0.5) / width as f64, (y as f64 + 0.5) / height as f64];
-            let light = texel.as_dvec3() * solid_angle;
-            for (sum, harmonic) in sum.iter_mut().zip(basis(direction_from_uv(place))) {
-                *sum += light * harmonic;
+        for cos in [middle - half / 3.0_f64.sqrt(), middle + half / 3.0_f64.sqrt()] {
+            let v = cos.acos() / PI;
+            for (x, texel) in panorama.texels()[y * width..(y + 1) * width].iter().enumerate() {
+                let light = texel.as_dvec3() * (half * TAU / width as f64);
+                let d = direction_from_uv([(x as f64 + 0.5) / width as f64, v]);
+                for (sum, harmonic) in sum.iter_mut().zip(basis(d)) {
+                    *sum += light * harmonic;
+                }
             }
         }
         sum

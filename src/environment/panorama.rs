@@ -176,11 +176,13 @@ pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
 fn size_problem(width: u32, height: u32) -> Option<(String, String, &'static str)> {
     let problem = |text: String, remedy| Some(("size".to_owned(), text, remedy));
     if u64::from(width) != 2 * u64::from(height) {
-        let text = format!("is {width} x {height} texels, but an equirectangular picture is twice as wide as high");
+        let text =
+            format!("is {width} x {height} texels, but an equirectangular picture is twice as wide as high");
         return problem(text, "give a full panorama in that projection");
     }
     if !(MIN_WIDTH..=MAX_WIDTH).contains(&width) {
-        let text = format!("is {width} x {height} texels, but {MIN_WIDTH} to {MAX_WIDTH} columns are supported");
+        let text =
+            format!("is {width} x {height} texels, but {MIN_WIDTH} to {MAX_WIDTH} columns are supported");
         return problem(text, "scale the picture");
     }
     None
@@ -232,9 +234,12 @@ mod tests {
             let message = with(value);
             assert!(message.contains("texel 2, 1") && message.contains("not negative"), "{message}");
         }
-        for (width, height, count, part) in
-            [(4, 4, 16, "twice as wide"), (2, 1, 2, "4 to 8192"), (16384, 8192, 0, "4 to 8192"), (4, 2, 7, "7 texels")]
-        {
+        for (width, height, count, part) in [
+            (4, 4, 16, "twice as wide"),
+            (2, 1, 2, "4 to 8192"),
+            (16384, 8192, 0, "4 to 8192"),
+            (4, 2, 7, "7 texels"),
+        ] {
             let message = Panorama::new(width, height, vec![Vec3::ONE; count]).unwrap_err().to_string();
             assert!(message.contains(part), "{message}");
         }

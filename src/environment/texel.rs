@@ -1,6 +1,7 @@
 //! How radiance is stored in textures.
 
 use glam::{Vec3, Vec4};
+use serde::{Deserialize, Serialize};
 
 use crate::plan::named_enum;
 
@@ -54,7 +55,8 @@ impl TexelFormat {
             Self::E5B9G9R9 => out.extend(shared_exponent(value).to_le_bytes()),
             Self::Rgba16F => {
                 // Nothing reads alpha.
-                let halves = [small_float(r, 10), small_float(g, 10), small_float(b, 10), small_float(1.0, 10)];
+                let halves =
+                    [small_float(r, 10), small_float(g, 10), small_float(b, 10), small_float(1.0, 10)];
                 out.extend(halves.iter().flat_map(|&h| (h as u16).to_le_bytes()));
             }
         }
@@ -78,7 +80,9 @@ impl TexelFormat {
                 Vec4::new(channel(0), channel(9), channel(18), 1.0)
             }
             Self::Rgba16F => Vec4::from_array(std::array::from_fn(|i| {
-                from_small_float(u32::from(u16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]])), 10)
+                let bits = u16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]]);
+                let sign = if bits >> 15 == 0 { 1.0 } else { -1.0 };
+                sign * from_small_float(u32::from(bits), 10)
             })),
         }
     }
@@ -105,7 +109,7 @@ fn encode_rgbm(value: Vec3) -> [u8; 4] {
 
 /// The bits of a float without sign, with five bits of exponent (bias 15) and this many of mantissa, as Vulkan's packed
 /// formats and half floats have it. `value` is not negative and at most the format's largest.
-fn small_float(value: f32, mantissa_bits: u32) -> u32 {
+pub(super) fn small_float(value: f32, mantissa_bits: u32) -> u32 {
     let exponent = (value.max(f32::MIN_POSITIVE).log2().floor() as i32).max(-14);
     // In steps of the last bit; ties go to even, as the hardware's conversion does. A carry moves on to the next
     // exponent by itself, and subnormals have the exponent's bits zero by the same sum.
@@ -114,14 +118,17 @@ fn small_float(value: f32, mantissa_bits: u32) -> u32 {
     carried + steps
 }
 
-fn from_small_float(bits: u32, mantissa_bits: u32) -> f32 {
+/// Not negative: bits above the exponent are left out.
+pub(super) fn from_small_float(bits: u32, mantissa_bits: u32) -> f32 {
     let mantissa = bits & ((1 << mantissa_bits) - 1);
     let exponent = bits >> mantissa_bits & 0x1F;
     match exponent {
         0x1F if mantissa == 0 => f32::INFINITY,
         0x1F => f32::NAN,
         0 => mantissa as f32 * f32::exp2(-14.0 - mantissa_bits as f32),
-        _ => (mantissa | 1 << mantissa_bits) as f32 * f32::exp2(exponent as f32 - 15.0 - mantissa_bits as f32),
+        _ => {
+            (mantissa | 1 << mantissa_bits) as f32 * f32::exp2(exponent as f32 - 15.0 - mantissa_bits as f32)
+        }
     }
 }
 

@@ -28,6 +28,7 @@ pub use ledger::{
     AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
 };
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
+pub(crate) use options::named_enum;
 pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Strategy, Tonemap};
 
 use serde::Serialize;
