@@ -54,8 +54,8 @@ impl FrameData {
     ) -> Seen {
         let mut uniforms = view.uniforms(plan, size, ambient_nt);
         let frustum = cull.then(|| Frustum::new(&glam::Mat4::from_cols_array_2d(&uniforms.clip_from_world)));
-        let instances = self.instances.as_mut().map_or(&mut [][..], Buffer::mapped_mut);
-        let seen_objects = objects.write_visible(frustum.as_ref(), bytemuck::cast_slice_mut(instances));
+        let instances = self.instances.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
+        let seen_objects = objects.write_visible(frustum.as_ref(), instances.unwrap_or_default());
         let light_list = bytemuck::cast_slice_mut(self.lights.mapped_mut());
         let [directional, point, spot] = lights.write_visible(frustum.as_ref(), light_list);
         uniforms.light_counts = [directional, point, spot, 0];

@@ -3,5 +3,8 @@
 mod frustum;
 mod reach;
 
+#[cfg(test)]
+mod tests;
+
 pub use frustum::Frustum;
 pub use reach::Reach;
