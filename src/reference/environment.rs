@@ -22,7 +22,9 @@ pub fn split_sum(n_dot_v: f64, roughness: f64, rings: u32) -> [f64; 2] {
     let sectors = rings / 2;
     let mut sums = [0.0; 2];
     for i in 0..rings * sectors {
-        let radius = ((f64::from(i / sectors) + 0.5) / f64::from(rings)).sqrt();
+        // Denser at the disk's rim, where the sphere above it is steep.
+        let rim = 1.0 - (f64::from(i / sectors) + 0.5) / f64::from(rings);
+        let radius = (1.0 - rim * rim).sqrt();
         // Half a turn: the other half is its mirror image.
         let azimuth = PI * ((f64::from(i % sectors) + 0.5) / f64::from(sectors) - 0.5);
         let (y, x) = (radius * azimuth.cos(), radius * azimuth.sin());
@@ -37,7 +39,7 @@ pub fn split_sum(n_dot_v: f64, roughness: f64, rings: u32) -> [f64; 2] {
             continue;
         }
         // D V n·l over the density of l, D G1 / (4 n·v): both D cancel.
-        let lobe = 2.0 * v_smith_correlated(n_dot_l, n_dot_v, alpha) * n_dot_l * masking;
+        let lobe = 2.0 * v_smith_correlated(n_dot_l, n_dot_v, alpha) * n_dot_l * masking * 2.0 * rim;
         let fresnel = (1.0 - v_dot_h).powi(5);
         sums[0] += lobe * (1.0 - fresnel);
         sums[1] += lobe * fresnel;
@@ -71,8 +73,8 @@ mod tests {
 
     #[test]
     fn the_quadrature_has_converged() {
-        /// A tenth of what the table's interpolation costs.
-        const MOST: f64 = 7e-4;
+        /// A step of the half floats that the table holds, at 0.1.
+        const MOST: f64 = 6e-5;
         for i in 0..100 {
             let (n_dot_v, roughness) = ((f64::from(i % 10) / 10.0).powi(2), f64::from(i / 10) / 10.0);
             let (coarse, fine) = (split_sum(n_dot_v, roughness, 200), split_sum(n_dot_v, roughness, 800));
