@@ -72,7 +72,7 @@ fn wall(side: f32, half: f32) -> Mesh {
         let along = (half + v) * 0.5;
         vertex(side, outward, along)
     });
-    mesh.colored(|p, n| tint(p, n)).with_tangents()
+    mesh.colored(tint).with_tangents()
 }
 
 fn vertex(side: f32, outward: f32, along: f32) -> Vertex {
