@@ -48,8 +48,7 @@ fn printed() -> Vec<(String, String)> {
             plan(&features, Options { output_is_input_attachment: false, ..default() }),
         ),
         ("every_feature_kept".into(), plan(&features, Options { keep_gbuffer: true, ..default() })),
-        ("forward".into(), plan(&features, forward())),
-        ("forward_separate".into(), plan(&features, Options { strategy: Strategy::Separate, ..forward() })),
+        ("every_feature_forward".into(), plan(&features, forward())),
         ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
         ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),
     ];
