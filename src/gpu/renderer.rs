@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use ash::vk;
+use glam::Mat4;
 
 use super::pass::create_render_pass;
 use super::pipeline::Pipelines;
@@ -12,7 +13,7 @@ use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
 use crate::plan::{Needs, Pipeline, Plan, State};
-use crate::scene::Scene;
+use crate::scene::{Light, Scene};
 use crate::{Error, Result};
 
 /// How a [`Renderer`] is set up.
@@ -25,11 +26,13 @@ pub struct RendererConfig {
     /// Take a timestamp after every subpass, not only around the frame. On tilers only the ones around the
     /// frame mean anything, since subpasses of different tiles interleave.
     pub stage_timestamps: bool,
+    /// Leave out objects and lights that the view cannot see. Same pixels.
+    pub cull: bool,
 }
 
 impl Default for RendererConfig {
     fn default() -> Self {
-        Self { frames_in_flight: 2, capture: false, stage_timestamps: false }
+        Self { frames_in_flight: 2, capture: false, stage_timestamps: false, cull: true }
     }
 }
 
@@ -67,6 +70,10 @@ pub struct Recorded {
     pub draws: usize,
     /// Bindings of pipelines, descriptor sets, vertex and index buffers.
     pub state_changes: usize,
+    /// Instances drawn; the others that have triangles were culled.
+    pub objects: usize,
+    /// Lights that reach something in view; the others that are not dark were culled.
+    pub lights: usize,
 }
 
 impl Renderer {
@@ -179,6 +186,33 @@ impl Renderer {
         self.scene.allocated_bytes()
     }
 
+    /// Moves the scene's instance `index` for the frames recorded from now on. Those on the GPU go on as they are.
+    ///
+    /// Moving what is not [dynamic](crate::scene::Instance::dynamic) costs more: what was kept of static objects is
+    /// made anew.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the scene has no such instance, the matrix is not affine and finite, or the instance would
+    /// become mirrored or cease to be (its determinant's sign): that takes another pipeline. Nothing is changed then.
+    pub fn set_instance(&mut self, index: usize, world_from_object: &Mat4) -> Result<()> {
+        self.scene.objects_mut().set(index, world_from_object)
+    }
+
+    /// How often an instance that is not dynamic was moved so far.
+    pub fn static_moves(&self) -> u64 {
+        self.scene.objects().static_moves()
+    }
+
+    /// Changes the scene's light `index` for the frames recorded from now on: place, direction, colour, intensity, range
+    /// and cone. It may become dark and light up again.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the scene has no such light, a number is not finite, or it takes what the plan does not
+    /// have: another kind, or light of a kind of which the scene had none that was not dark. Nothing is changed then.
+    pub fn set_light(&mut self, index: usize, light: &Light) -> Result<()> {
+        self.scene.lights_mut().set(index, light)
+    }
+
     /// Records a frame: no allocation, no wait, no submission.
     ///
     /// `slot` is below [`RendererConfig::frames_in_flight`], and the GPU has finished the frame that was recorded with it
@@ -199,9 +233,9 @@ impl Renderer {
     ) {
         assert!(target.is_of(&self.passes), "the target was created by another renderer");
         let vk::Extent2D { width, height } = target.extent();
-        self.scene.write_frame(slot, view, &self.plan, [width, height]);
-        let mut frame =
-            Frame { renderer: self, recorder, slot, target, output, recorded: Recorded::default() };
+        let seen = self.scene.write_frame(slot, view, &self.plan, [width, height], self.config.cull);
+        let recorded = Recorded { objects: seen.objects, lights: seen.lights, ..Recorded::default() };
+        let mut frame = Frame { renderer: self, recorder, slot, target, output, recorded };
         frame.record();
         self.recorded = frame.recorded;
     }
@@ -282,6 +316,10 @@ impl Frame<'_> {
         let Renderer { plan, pipelines, scene, .. } = self.renderer;
         let mut bound = BoundMesh::default();
         for (index, (_, pipeline)) in plan.pipelines.iter().enumerate().filter(|(_, (s, _))| *s == stage) {
+            let surfaces = matches!(pipeline, Pipeline::Surface(_));
+            if surfaces && scene.objects().batches_of(index).iter().all(|b| b.visible.is_empty()) {
+                continue;
+            }
             let layout = pipelines.layout_of(index).layout.raw();
             let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
             // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
@@ -311,7 +349,7 @@ impl Frame<'_> {
     fn draw_surfaces(&mut self, pipeline: usize, layout: vk::PipelineLayout, bound: &mut BoundMesh) {
         let scene = &self.renderer.scene;
         let mut bound_material = None;
-        for batch in scene.batches_of(pipeline) {
+        for batch in scene.objects().batches_of(pipeline).iter().filter(|b| !b.visible.is_empty()) {
             if bound_material != Some(batch.material_set) {
                 self.bind_set(layout, 1, scene.material_set(batch.material_set));
                 bound_material = Some(batch.material_set);
