@@ -10,6 +10,9 @@
 #define BINDING_FRAME 0
 #define BINDING_INSTANCES 1
 #define BINDING_LIGHTS 2
+#define BINDING_SPLIT_SUM 8
+#define BINDING_ENVIRONMENT 9
+#define BINDING_RADIANCE 10
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 
@@ -53,13 +56,13 @@
 #define ID_UNLIT 10
 #define ID_VERTEX_COLOR 11
 #define ID_EMISSIVE 12
-#define ID_AMBIENT 13
 #define ID_HAS_DIRECTIONAL 14
 #define ID_HAS_POINT 15
 #define ID_HAS_SPOT 16
 #define ID_FOLD 17
 #define ID_TONEMAP 18
 #define ID_DITHER 19
+#define ID_RGBM 40
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

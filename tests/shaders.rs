@@ -10,7 +10,7 @@ mod shader_manifest;
 use ontile::gpu::shader::{
     GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, embedded_names, shared,
 };
-use ontile::gpu::shared::{FrameUniforms, InstanceData, LightData, MaterialData};
+use ontile::gpu::shared::{EnvironmentUniforms, FrameUniforms, InstanceData, LightData, MaterialData};
 use ontile::plan::Tonemap;
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;
@@ -129,7 +129,7 @@ fn names_are_unique_and_unknown_keys_are_errors() {
     assert!(tangent_only.spirv().unwrap_err().to_string().contains("geometry_t.vert"));
 }
 
-fn blocks() -> [Block; 4] {
+fn blocks() -> [Block; 5] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -168,6 +168,7 @@ fn blocks() -> [Block; 4] {
                 spot_offset,
             }
         ),
+        block!("Environment" = EnvironmentUniforms { irradiance, rotation, scale, last_level }),
     ]
 }
 
@@ -273,7 +274,7 @@ fn fragments_read_what_vertices_write() {
         for (fragment, read) in &all {
             let (Module::GeometryFragment { textured, .. }
             | Module::Unlit { textured }
-            | Module::Forward { textured }) = *fragment
+            | Module::Forward { textured, .. }) = *fragment
             else {
                 continue;
             };
@@ -285,8 +286,8 @@ fn fragments_read_what_vertices_write() {
             pairs += 1;
         }
     }
-    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 6 of each.
-    assert_eq!(pairs, 6 * (10 + 6));
+    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 12 of each.
+    assert_eq!(pairs, 12 * (10 + 6));
 }
 
 #[test]

@@ -9,7 +9,7 @@ pub use specialization::{
     GeometryConstants, LightingConstants, OutputConstants, Specialization, TextureSlot,
 };
 
-use crate::plan::Layout;
+use crate::plan::{Around, Layout};
 use crate::{Error, Result};
 
 /// The number that `glsl/shared.h` defines for `name`; call it in a `const`, so that a missing name does not compile.
@@ -86,6 +86,8 @@ pub enum Module {
         light_target: bool,
         /// Whether the material has any texture.
         textured: bool,
+        /// What arrives from all around; nothing without a light target.
+        around: Around,
     },
     /// Writes the output directly, where nothing is lit.
     Unlit {
@@ -96,6 +98,8 @@ pub enum Module {
     Forward {
         /// Whether the material has any texture.
         textured: bool,
+        /// What arrives from all around.
+        around: Around,
     },
     /// Shades the G-buffer by punctual lights.
     Lighting {
@@ -106,6 +110,17 @@ pub enum Module {
     Tonemap,
     /// One triangle over the whole image.
     Fullscreen,
+}
+
+/// Every kind.
+const AROUND: [Around; 3] = [Around::Nothing, Around::Ambient, Around::Environment];
+
+fn around_suffix(around: Around) -> &'static str {
+    match around {
+        Around::Nothing => "",
+        Around::Ambient => "_ambient",
+        Around::Environment => "_environment",
+    }
 }
 
 impl Module {
@@ -120,13 +135,18 @@ impl Module {
             }
         }
         for &layout in Layout::ALL {
-            for (light_target, textured) in [(false, false), (false, true), (true, false), (true, true)] {
-                all.push(Self::GeometryFragment { layout, light_target, textured });
+            for textured in [false, true] {
+                let module =
+                    |light_target, around| Self::GeometryFragment { layout, light_target, textured, around };
+                all.push(module(false, Around::Nothing));
+                all.extend(AROUND.map(|around| module(true, around)));
             }
             all.push(Self::Lighting { layout });
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
-        all.extend([false, true].map(|textured| Self::Forward { textured }));
+        for textured in [false, true] {
+            all.extend(AROUND.map(|around| Self::Forward { textured, around }));
+        }
         all.extend([Self::Tonemap, Self::Fullscreen]);
         all
     }
@@ -145,13 +165,16 @@ impl Module {
                 suffix(tangent, "t"),
                 suffix(color, "c"),
             ),
-            Self::GeometryFragment { layout, light_target, textured } => format!(
-                "geometry_{layout}{}{}.frag",
+            Self::GeometryFragment { layout, light_target, textured, around } => format!(
+                "geometry_{layout}{}{}{}.frag",
                 suffix(light_target, "_light"),
                 suffix(textured, "_textured"),
+                around_suffix(around),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured } => format!("forward{}.frag", suffix(textured, "_textured")),
+            Self::Forward { textured, around } => {
+                format!("forward{}{}.frag", suffix(textured, "_textured"), around_suffix(around))
+            }
             Self::Lighting { layout } => format!("lighting_{layout}.frag"),
             Self::Tonemap => "tonemap.frag".into(),
             Self::Fullscreen => "fullscreen.vert".into(),
@@ -199,12 +222,19 @@ impl Module {
                 (tangent, "HAS_TANGENT"),
                 (color, "HAS_COLOR"),
             ]),
-            Self::GeometryFragment { layout, light_target, textured } => chosen(&[
+            Self::GeometryFragment { layout, light_target, textured, around } => chosen(&[
                 (true, layout_define(layout)),
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
+                (around >= Around::Ambient, "AMBIENT"),
+                (around >= Around::Environment, "ENVIRONMENT"),
             ]),
-            Self::Unlit { textured } | Self::Forward { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Forward { textured, around } => chosen(&[
+                (textured, "TEXTURED"),
+                (around >= Around::Ambient, "AMBIENT"),
+                (around >= Around::Environment, "ENVIRONMENT"),
+            ]),
             Self::Lighting { layout } => vec![layout_define(layout)],
             Self::Tonemap | Self::Fullscreen => Vec::new(),
         }

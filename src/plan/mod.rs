@@ -8,6 +8,7 @@
 //! why it is there.
 
 mod access;
+mod around;
 mod budget;
 mod derive;
 mod format;
@@ -21,6 +22,7 @@ mod stage;
 mod tests;
 
 pub use access::{Access, Scope, State};
+pub use around::{Around, AroundImage, EnvironmentNeed};
 pub use budget::{Verdict, verdicts};
 pub use format::Format;
 pub use layout::{LayoutTable, Target};
@@ -32,6 +34,8 @@ pub(crate) use options::named_enum;
 pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Strategy, Tonemap};
 
 use serde::Serialize;
+
+use crate::environment::TexelFormat;
 
 /// What a device allows, as far as a plan depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -205,6 +209,8 @@ pub struct Plan {
     pub passes: Vec<Pass>,
     /// Pipelines with the stage they belong to.
     pub pipelines: Vec<(usize, Pipeline)>,
+    /// What surfaces sample to receive light from all around.
+    pub around: Vec<AroundImage>,
     /// The path taken: never [`Path::Auto`]. Without lit surfaces they are all the same.
     pub path: Path,
     /// Whether the stage that lights applies the tone curve itself, so that there is no light target.
@@ -230,13 +236,19 @@ impl Plan {
         let attachments = derive::attachments(&frame, &places, &passes, &options);
         check_counts(&passes, &options, limits)?;
         let pipelines = pipelines(&frame, &needs);
+        let around = around::images(&needs, &options);
         let notes = notes(&needs, &options, path, &attachments, frame.folded);
-        Ok(Self { options, needs, attachments, passes, pipelines, path, folded: frame.folded, notes })
+        Ok(Self { options, needs, attachments, passes, pipelines, around, path, folded: frame.folded, notes })
     }
 
     /// Whether surfaces are lit after all are known, from a G-buffer.
     pub fn has_gbuffer(&self) -> bool {
         self.needs.lit.is_some() && self.path == Path::Deferred
+    }
+
+    /// How the environment's radiance is stored, and the edge of its largest level in texels.
+    pub fn environment_texels(&self) -> Option<(TexelFormat, u32)> {
+        self.needs.environment.as_ref().map(|need| around::environment_texels(need, &self.options))
     }
 
     /// Whether a light target exists.

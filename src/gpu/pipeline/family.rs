@@ -6,7 +6,7 @@ use super::super::descriptor::Binding;
 use super::super::shader::shared;
 use super::super::{Device, Owned};
 use crate::Result;
-use crate::plan::{Pipeline, Plan};
+use crate::plan::{Around, Pipeline, Plan};
 
 /// Pipelines that take the same descriptor sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -28,15 +28,21 @@ pub(in crate::gpu) enum SecondSet {
 const FRAME: u32 = shared("BINDING_FRAME");
 const INSTANCES: u32 = shared("BINDING_INSTANCES");
 const LIGHTS: u32 = shared("BINDING_LIGHTS");
+const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
+const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
+const RADIANCE: u32 = shared("BINDING_RADIANCE");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 3] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 6] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
         (FRAME, T::UNIFORM_BUFFER, both),
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
         (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
+        (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
     ]
 };
 
@@ -49,13 +55,21 @@ impl Family {
             Pipeline::Lighting => &[FRAME, LIGHTS],
             Pipeline::Tonemap => &[FRAME],
         };
+        let around: &[u32] = match pipeline {
+            Pipeline::Surface(kind) => match kind.around {
+                Around::Nothing => &[],
+                Around::Ambient => &[SPLIT_SUM],
+                Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
+            },
+            Pipeline::Lighting | Pipeline::Tonemap => &[],
+        };
         let second = match pipeline {
             Pipeline::Surface(kind) => SecondSet::Material { textures: kind.textures.count_ones() },
             Pipeline::Lighting | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
-        Self { frame: frame.iter().fold(0, |bits, binding| bits | 1 << binding), second }
+        Self { frame: frame.iter().chain(around).fold(0, |bits, binding| bits | 1 << binding), second }
     }
 
     /// The bindings of `SET_FRAME`, and of the second set.

@@ -3,6 +3,7 @@
 use super::super::shader::{
     GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
 };
+use crate::environment::TexelFormat;
 use crate::plan::{Pipeline, Plan, SurfaceKind};
 
 /// Vertex and fragment shader of a pipeline, and what the latter is specialised with.
@@ -18,15 +19,20 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
     match pipeline {
         Pipeline::Surface(kind) => {
             let textured = kind.textures != 0;
-            let constants = surface_constants(kind).specialization();
+            let constants = surface_constants(plan, kind).specialization();
             let vertex = vertex_module(kind);
             if plan.has_gbuffer() {
                 let light_target = plan.has_light_target();
-                (vertex, Module::GeometryFragment { layout, light_target, textured }, constants)
+                let around = kind.around;
+                (vertex, Module::GeometryFragment { layout, light_target, textured, around }, constants)
             } else if kind.unlit {
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
-                (vertex, Module::Forward { textured }, constants.and(lighting.specialization()))
+                (
+                    vertex,
+                    Module::Forward { textured, around: kind.around },
+                    constants.and(lighting.specialization()),
+                )
             }
         }
         Pipeline::Lighting => (Module::Fullscreen, Module::Lighting { layout }, lighting.specialization()),
@@ -43,7 +49,7 @@ fn vertex_module(kind: &SurfaceKind) -> Module {
     }
 }
 
-fn surface_constants(kind: &SurfaceKind) -> GeometryConstants {
+fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
     let slot = |slot: usize| {
         kind.texture_index(slot).map(|index| TextureSlot {
             slot: index as u32,
@@ -58,6 +64,6 @@ fn surface_constants(kind: &SurfaceKind) -> GeometryConstants {
         unlit: kind.unlit,
         vertex_color: kind.vertex_color,
         emissive: kind.emissive,
-        ambient: kind.ambient,
+        rgbm: plan.environment_texels().is_some_and(|(format, _)| format == TexelFormat::Rgbm),
     }
 }
