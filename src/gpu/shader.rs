@@ -92,6 +92,11 @@ pub enum Module {
         /// Whether the material has any texture.
         textured: bool,
     },
+    /// Lights a surface as it is drawn and writes the output.
+    Forward {
+        /// Whether the material has any texture.
+        textured: bool,
+    },
     /// Shades the G-buffer by punctual lights.
     Lighting {
         /// How the G-buffer is laid out.
@@ -121,6 +126,7 @@ impl Module {
             all.push(Self::Lighting { layout });
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
+        all.extend([false, true].map(|textured| Self::Forward { textured }));
         all.extend([Self::Tonemap, Self::Fullscreen]);
         all
     }
@@ -145,6 +151,7 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
+            Self::Forward { textured } => format!("forward{}.frag", suffix(textured, "_textured")),
             Self::Lighting { layout } => format!("lighting_{layout}.frag"),
             Self::Tonemap => "tonemap.frag".into(),
             Self::Fullscreen => "fullscreen.vert".into(),
@@ -157,6 +164,7 @@ impl Module {
             Self::GeometryVertex { .. } => "geometry.vert",
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
+            Self::Forward { .. } => "forward.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
@@ -167,9 +175,11 @@ impl Module {
     pub fn stage(self) -> Stage {
         match self {
             Self::GeometryVertex { .. } | Self::Fullscreen => Stage::Vertex,
-            Self::GeometryFragment { .. } | Self::Unlit { .. } | Self::Lighting { .. } | Self::Tonemap => {
-                Stage::Fragment
-            }
+            Self::GeometryFragment { .. }
+            | Self::Unlit { .. }
+            | Self::Forward { .. }
+            | Self::Lighting { .. }
+            | Self::Tonemap => Stage::Fragment,
         }
     }
 
@@ -194,7 +204,7 @@ impl Module {
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
             ]),
-            Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Unlit { textured } | Self::Forward { textured } => chosen(&[(textured, "TEXTURED")]),
             Self::Lighting { layout } => vec![layout_define(layout)],
             Self::Tonemap | Self::Fullscreen => Vec::new(),
         }
