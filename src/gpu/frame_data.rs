@@ -57,11 +57,10 @@ impl FrameData {
         let instances = self.instances.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
         let seen_objects = objects.write_visible(frustum.as_ref(), instances.unwrap_or_default());
         let light_list = bytemuck::cast_slice_mut(self.lights.mapped_mut());
-        let [directional, point, spot, boxes, hemispheres] =
-            lights.write_visible(frustum.as_ref(), light_list);
-        uniforms.light_counts = [directional, point, spot, boxes];
+        uniforms.light_counts = lights.write_visible(frustum.as_ref(), light_list);
+        uniforms.hemispheres = lights.hemispheres();
         self.uniforms.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
-        Seen { objects: seen_objects, lights: (directional + point + spot + boxes + hemispheres) as usize }
+        Seen { objects: seen_objects, lights: uniforms.light_counts.iter().sum::<u32>() as usize }
     }
 
     /// Size of the memory.
