@@ -43,18 +43,23 @@ impl Lights {
     }
 
     /// Writes those that reach something that the view sees (all of them without a view), and returns how many they are
-    /// of each kind: directional, point, spot.
-    pub(super) fn write_visible(&self, view: Option<&Frustum>, out: &mut [LightData]) -> [u32; KINDS] {
-        let mut end = 0;
+    /// of each kind: directional, point, spot. `reaches` gets the reach of each, in their order.
+    pub(super) fn write_visible(
+        &self,
+        view: Option<&Frustum>,
+        out: &mut [LightData],
+        reaches: &mut Vec<Reach>,
+    ) -> [u32; KINDS] {
+        reaches.clear();
         self.of_kind.each_ref().map(|lights| {
-            let first = end;
+            let first = reaches.len();
             for light in lights {
                 if !view.is_some_and(|view| view.misses(&light.reach)) {
-                    out[end] = light.data;
-                    end += 1;
+                    out[reaches.len()] = light.data;
+                    reaches.push(light.reach);
                 }
             }
-            (end - first) as u32
+            (reaches.len() - first) as u32
         })
     }
 }

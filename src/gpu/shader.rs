@@ -96,6 +96,8 @@ pub enum Module {
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
+        /// Whether each pixel looks at the lights of its cluster, not at all.
+        clusters: bool,
     },
     /// Turns the light target into the output.
     Tonemap,
@@ -118,7 +120,7 @@ impl Module {
             for (light_target, textured) in [(false, false), (false, true), (true, false), (true, true)] {
                 all.push(Self::GeometryFragment { layout, light_target, textured });
             }
-            all.push(Self::Lighting { layout });
+            all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
         all.extend([Self::Tonemap, Self::Fullscreen]);
@@ -145,7 +147,9 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
-            Self::Lighting { layout } => format!("lighting_{layout}.frag"),
+            Self::Lighting { layout, clusters } => {
+                format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
+            }
             Self::Tonemap => "tonemap.frag".into(),
             Self::Fullscreen => "fullscreen.vert".into(),
         }
@@ -195,7 +199,9 @@ impl Module {
                 (textured, "TEXTURED"),
             ]),
             Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Lighting { layout } => vec![layout_define(layout)],
+            Self::Lighting { layout, clusters } => {
+                chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
+            }
             Self::Tonemap | Self::Fullscreen => Vec::new(),
         }
     }

@@ -164,6 +164,11 @@ pub struct Needs {
 }
 
 impl Needs {
+    /// Lights that are not dark and have a place, so that they may be far from a pixel.
+    pub fn local_lights(&self) -> usize {
+        self.point_lights + self.spot_lights
+    }
+
     /// Reads them off a scene.
     pub fn of(scene: &Scene) -> Self {
         let ambient = scene.ambient_nt != glam::Vec3::ZERO;

@@ -29,7 +29,8 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
                 has_spot: plan.needs.spot_lights > 0,
                 fold: plan.folded.then_some(output),
             };
-            (Module::Fullscreen, Module::Lighting { layout }, constants.specialization())
+            let clusters = plan.clusters.is_some();
+            (Module::Fullscreen, Module::Lighting { layout, clusters }, constants.specialization())
         }
         Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
     }
