@@ -16,7 +16,7 @@ pub(super) struct LightLists {
 impl LightLists {
     /// For scenes with so many lights.
     pub(super) fn new(plan: &Plan, lights: usize) -> Self {
-        let clusters = plan.clusters.map(|_| Clusters::new(plan.needs.local_lights()));
+        let clusters = plan.clusters.map(|_| Clusters::new(plan.needs.most_local_lights));
         Self { reaches: Vec::with_capacity(lights), clusters }
     }
 

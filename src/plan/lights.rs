@@ -49,6 +49,6 @@ pub(super) fn resolve(needs: &Needs, options: &Options) -> (LightWay, Option<Clu
         }
         asked => (asked, None),
     };
-    let clusters = (way == LightWay::Clusters).then(|| ClusterBudget::new(local));
+    let clusters = (way == LightWay::Clusters).then(|| ClusterBudget::new(needs.most_local_lights));
     (way, clusters, why)
 }

@@ -159,6 +159,9 @@ pub struct Needs {
     pub point_lights: usize,
     /// Spot lights that are not dark.
     pub spot_lights: usize,
+    /// How many lights that have a place may be lit: dark ones too, if one of their kind is not dark, since a host may
+    /// light them up.
+    pub most_local_lights: usize,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
 }
@@ -204,8 +207,17 @@ impl Needs {
             directional_lights: count(|k| matches!(k, LightKind::Directional { .. })),
             point_lights: count(|k| matches!(k, LightKind::Point { .. })),
             spot_lights: count(|k| matches!(k, LightKind::Spot { .. })),
+            most_local_lights: most_local_lights(scene),
             triangles: scene.triangle_count(),
             kinds,
         }
     }
+}
+
+/// See [`Needs::most_local_lights`].
+fn most_local_lights(scene: &Scene) -> usize {
+    let kind = std::mem::discriminant::<LightKind>;
+    let lit: Vec<_> = scene.lights.iter().filter(|l| !l.is_dark()).map(|l| kind(&l.kind)).collect();
+    let local = scene.lights.iter().filter(|l| !matches!(l.kind, LightKind::Directional { .. }));
+    local.filter(|l| lit.contains(&kind(&l.kind))).count()
 }

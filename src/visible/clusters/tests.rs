@@ -32,7 +32,7 @@ prop_compose! {
             prop::array::uniform3(-30.0..30.0_f32),
             prop::array::uniform3(-1.0..1.0_f32),
             prop_oneof![Just(None), Just(Some(0.0_f32)), (0.01..1.0_f32).prop_map(Some), (1.0..40.0_f32).prop_map(Some)],
-            prop::option::of(0.01..1.5707_f32),
+            prop::option::of(0.01..1.6_f32),
         ), 0..most),
     ) -> Vec<Light> {
         all.into_iter().map(|(place, direction, range_m, cone)| {
