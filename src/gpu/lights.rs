@@ -7,7 +7,7 @@ use crate::visible::{Frustum, Reach};
 use crate::{Error, Result};
 
 /// How many kinds of lights shaders tell apart.
-const KINDS: usize = 3;
+const KINDS: usize = 5;
 
 /// All lights, in the scene's order.
 pub(super) struct Lights {
@@ -38,6 +38,8 @@ fn kind_index(kind: &LightKind) -> usize {
         LightKind::Directional { .. } => 0,
         LightKind::Point { .. } => 1,
         LightKind::Spot { .. } => 2,
+        LightKind::Box { .. } => 3,
+        LightKind::Hemisphere { .. } => 4,
     }
 }
 
@@ -88,6 +90,7 @@ impl Lights {
     }
 
     /// Writes those that reach something that the view sees (all of them without a view) and are not dark, and returns
+<<<<<<< HEAD
     /// how many they are of each kind: directional, point, spot. `reaches` gets the reach of each, in their order.
     pub(super) fn write_visible(
         &self,
@@ -96,6 +99,10 @@ impl Lights {
         reaches: &mut Vec<Reach>,
     ) -> [u32; KINDS] {
         reaches.clear();
+=======
+    /// how many they are of each kind: directional, point, spot, box, hemisphere.
+    pub(super) fn write_visible(&self, view: Option<&Frustum>, out: &mut [LightData]) -> [u32; KINDS] {
+>>>>>>> main
         let mut counts = [0; KINDS];
         for light in self.order.iter().map(|&i| &self.placed[i]) {
             let Some(reach) = light.reach else { continue };
@@ -106,6 +113,5 @@ impl Lights {
             }
         }
         counts
-    }
     }
 }

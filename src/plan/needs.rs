@@ -159,9 +159,18 @@ pub struct Needs {
     pub point_lights: usize,
     /// Spot lights that are not dark.
     pub spot_lights: usize,
+<<<<<<< HEAD
     /// How many lights that have a place may be lit: dark ones too, if one of their kind is not dark, since a host may
     /// light them up.
     pub most_local_lights: usize,
+=======
+    /// Box lights that are not dark.
+    pub box_lights: usize,
+    /// Hemisphere lights that are not dark.
+    pub hemisphere_lights: usize,
+    /// Directional and box lights that light surfaces from behind too.
+    pub back_colors: usize,
+>>>>>>> main
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
 }
@@ -207,7 +216,15 @@ impl Needs {
             directional_lights: count(|k| matches!(k, LightKind::Directional { .. })),
             point_lights: count(|k| matches!(k, LightKind::Point { .. })),
             spot_lights: count(|k| matches!(k, LightKind::Spot { .. })),
+<<<<<<< HEAD
             most_local_lights: most_local_lights(scene),
+=======
+            box_lights: count(|k| matches!(k, LightKind::Box { .. })),
+            hemisphere_lights: count(|k| matches!(k, LightKind::Hemisphere { .. })),
+            back_colors: lights()
+                .filter(|l| l.has_back() && !matches!(l.kind, LightKind::Hemisphere { .. }))
+                .count(),
+>>>>>>> main
             triangles: scene.triangle_count(),
             kinds,
         }
