@@ -74,27 +74,20 @@ impl FrameData {
         let instances = self.instances.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
         let seen_objects = objects.write_visible(frustum.as_ref(), instances.unwrap_or_default());
         let light_list = bytemuck::cast_slice_mut(self.lights.mapped_mut());
-<<<<<<< HEAD
         let counts = lights.write_visible(frustum.as_ref(), light_list, light_lists.reaches_mut());
-        let [directional, point, spot] = counts;
-        uniforms.light_counts = [directional, point, spot, 0];
+        let [directional, point, spot, boxes, _hemispheres] = counts;
+        uniforms.light_counts = [directional, point, spot, boxes];
         self.uniforms.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
         let start = Instant::now();
         if let Some(clusters) = &mut self.clusters {
-            light_lists.write(view.camera, size, directional, clusters.mapped_mut());
+            let local = directional..directional + point + spot;
+            light_lists.write(view.camera, size, local, clusters.mapped_mut());
         }
         Seen {
             objects: seen_objects,
-            lights: (directional + point + spot) as usize,
+            lights: counts.iter().sum::<u32>() as usize,
             light_lists: start.elapsed(),
         }
-=======
-        let [directional, point, spot, boxes, hemispheres] =
-            lights.write_visible(frustum.as_ref(), light_list);
-        uniforms.light_counts = [directional, point, spot, boxes];
-        self.uniforms.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
-        Seen { objects: seen_objects, lights: (directional + point + spot + boxes + hemispheres) as usize }
->>>>>>> main
     }
 
     /// Size of the memory.

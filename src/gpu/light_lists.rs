@@ -1,5 +1,7 @@
 //! The lights of each part of a view, as shaders find them.
 
+use std::ops::Range;
+
 use super::shared::ClusterGrid;
 use crate::plan::Plan;
 use crate::scene::Camera;
@@ -25,10 +27,11 @@ impl LightLists {
         &mut self.reaches
     }
 
-    /// Lists all but the first lights, which have no place.
-    pub(super) fn write(&mut self, camera: &Camera, size: [u32; 2], first_local: u32, out: &mut [u8]) {
+    /// Lists the lights that have a place, by their part of all.
+    pub(super) fn write(&mut self, camera: &Camera, size: [u32; 2], local: Range<u32>, out: &mut [u8]) {
         let Some(clusters) = &mut self.clusters else { return };
-        clusters.build(camera, size, first_local, &self.reaches[first_local as usize..]);
+        let reaches = &self.reaches[local.start as usize..local.end as usize];
+        clusters.build(camera, size, local.start, reaches);
         let grid = clusters.grid();
         let header = ClusterGrid {
             tile_shift: grid.tile_shift,

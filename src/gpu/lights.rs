@@ -90,8 +90,8 @@ impl Lights {
     }
 
     /// Writes those that reach something that the view sees (all of them without a view) and are not dark, and returns
-<<<<<<< HEAD
-    /// how many they are of each kind: directional, point, spot. `reaches` gets the reach of each, in their order.
+    /// how many they are of each kind: directional, point, spot, box, hemisphere.
+    /// `reaches` gets the reach of each, in their order.
     pub(super) fn write_visible(
         &self,
         view: Option<&Frustum>,
@@ -99,10 +99,6 @@ impl Lights {
         reaches: &mut Vec<Reach>,
     ) -> [u32; KINDS] {
         reaches.clear();
-=======
-    /// how many they are of each kind: directional, point, spot, box, hemisphere.
-    pub(super) fn write_visible(&self, view: Option<&Frustum>, out: &mut [LightData]) -> [u32; KINDS] {
->>>>>>> main
         let mut counts = [0; KINDS];
         for light in self.order.iter().map(|&i| &self.placed[i]) {
             let Some(reach) = light.reach else { continue };

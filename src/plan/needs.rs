@@ -159,18 +159,15 @@ pub struct Needs {
     pub point_lights: usize,
     /// Spot lights that are not dark.
     pub spot_lights: usize,
-<<<<<<< HEAD
-    /// How many lights that have a place may be lit: dark ones too, if one of their kind is not dark, since a host may
-    /// light them up.
-    pub most_local_lights: usize,
-=======
     /// Box lights that are not dark.
     pub box_lights: usize,
     /// Hemisphere lights that are not dark.
     pub hemisphere_lights: usize,
     /// Directional and box lights that light surfaces from behind too.
     pub back_colors: usize,
->>>>>>> main
+    /// How many lights that have a place may be lit: dark ones too, if one of their kind is not dark, since a host may
+    /// light them up.
+    pub most_local_lights: usize,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
 }
@@ -178,7 +175,7 @@ pub struct Needs {
 impl Needs {
     /// Lights that are not dark and have a place, so that they may be far from a pixel.
     pub fn local_lights(&self) -> usize {
-        self.point_lights + self.spot_lights
+        self.point_lights + self.spot_lights + self.box_lights
     }
 
     /// Reads them off a scene.
@@ -216,15 +213,12 @@ impl Needs {
             directional_lights: count(|k| matches!(k, LightKind::Directional { .. })),
             point_lights: count(|k| matches!(k, LightKind::Point { .. })),
             spot_lights: count(|k| matches!(k, LightKind::Spot { .. })),
-<<<<<<< HEAD
-            most_local_lights: most_local_lights(scene),
-=======
             box_lights: count(|k| matches!(k, LightKind::Box { .. })),
             hemisphere_lights: count(|k| matches!(k, LightKind::Hemisphere { .. })),
             back_colors: lights()
                 .filter(|l| l.has_back() && !matches!(l.kind, LightKind::Hemisphere { .. }))
                 .count(),
->>>>>>> main
+            most_local_lights: most_local_lights(scene),
             triangles: scene.triangle_count(),
             kinds,
         }
@@ -235,6 +229,8 @@ impl Needs {
 fn most_local_lights(scene: &Scene) -> usize {
     let kind = std::mem::discriminant::<LightKind>;
     let lit: Vec<_> = scene.lights.iter().filter(|l| !l.is_dark()).map(|l| kind(&l.kind)).collect();
-    let local = scene.lights.iter().filter(|l| !matches!(l.kind, LightKind::Directional { .. }));
+    let everywhere =
+        |k: &LightKind| matches!(k, LightKind::Directional { .. } | LightKind::Hemisphere { .. });
+    let local = scene.lights.iter().filter(|l| !everywhere(&l.kind));
     local.filter(|l| lit.contains(&kind(&l.kind))).count()
 }

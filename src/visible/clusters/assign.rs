@@ -21,16 +21,25 @@ pub(super) struct Placed {
     /// A ball around all that it reaches.
     center: Vec3,
     radius: f32,
-    cone: Option<Cone>,
+    shape: Shape,
 }
 
+/// What of the ball it reaches.
 #[derive(Clone, Copy, Debug)]
-struct Cone {
-    apex: Vec3,
-    direction: Vec3,
-    cos: f32,
-    sin: f32,
-    range: f32,
+enum Shape {
+    /// All.
+    Ball,
+    Cone {
+        apex: Vec3,
+        direction: Vec3,
+        cos: f32,
+        sin: f32,
+        range: f32,
+    },
+    /// Around the ball's centre, from there to the middles of three faces.
+    Box {
+        half_axes: [Vec3; 3],
+    },
 }
 
 /// What shaders may lose to rounding, as a share of the coordinates that they compute with, in the view and in the
@@ -50,24 +59,30 @@ impl View {
         (self.view_from_world * (world.as_dvec3() - self.eye_world)).as_vec3()
     }
 
+    fn direction(&self, world: Vec3) -> Vec3 {
+        (self.view_from_world * world.as_dvec3()).as_vec3()
+    }
+
     /// The light as seen from here; `None` if it ends behind the camera.
     pub(super) fn place(&self, reach: &Reach, index: u32) -> Option<Placed> {
-        let mut placed = match *reach {
-            Reach::Everywhere => Placed { index, center: Vec3::ZERO, radius: f32::INFINITY, cone: None },
-            Reach::Sphere { center_world, radius_m } => {
-                Placed { index, center: self.point(center_world), radius: radius_m, cone: None }
-            }
+        let (center, radius, shape) = match *reach {
+            Reach::Everywhere => (Vec3::ZERO, f32::INFINITY, Shape::Ball),
+            Reach::Sphere { center_world, radius_m } => (self.point(center_world), radius_m, Shape::Ball),
             Reach::Cone { apex_world, direction_world, cos, sin, range_m } => {
-                let apex = self.point(apex_world);
-                let direction = (self.view_from_world * direction_world.as_dvec3()).as_vec3();
+                let [apex, direction] = [self.point(apex_world), self.direction(direction_world)];
                 // Around a narrow cone the ball through apex and rim, around a wide one that on the rim.
                 let [along, radius] =
                     if cos > sin { [0.5 / cos, 0.5 / cos] } else { [cos, sin] }.map(|share| share * range_m);
                 let center = if range_m.is_finite() { apex + direction * along } else { Vec3::ZERO };
-                let cone = Some(Cone { apex, direction, cos, sin, range: range_m });
-                Placed { index, center, radius, cone }
+                (center, radius, Shape::Cone { apex, direction, cos, sin, range: range_m })
+            }
+            Reach::Box { center_world, half_axes_world } => {
+                let half_axes = half_axes_world.map(|axis| self.direction(axis));
+                let radius = half_axes.iter().map(|axis| axis.length_squared()).sum::<f32>().sqrt();
+                (self.point(center_world), radius, Shape::Box { half_axes })
             }
         };
+        let mut placed = Placed { index, center, radius, shape };
         let world = self.eye_world.as_vec3().abs().max_element() + placed.center.abs().max_element();
         placed.radius += (placed.center.length() + placed.radius) * ROUNDING_VIEW + world * ROUNDING_WORLD;
         (placed.center.z + placed.radius > 0.0).then_some(placed)
@@ -120,15 +135,54 @@ impl Placed {
                 };
                 let Some(radius_row) = cut(radius_slice, beyond) else { continue };
                 let mut touched = touched(&planes.columns, columns.clone(), center.x, z, radius_row);
-                if let Some(cone) = &self.cone {
-                    let [near, far] = [near.max(center.z - radius), far.min(center.z + radius)];
+                let [near, far] = [near.max(center.z - radius), far.min(center.z + radius)];
+                if !matches!(self.shape, Shape::Ball) && far.is_finite() {
                     let row = Edge::new(above, below, [near, far]);
-                    cone.trim(&mut touched, &planes.columns, &row, [near, far]);
+                    self.trim(&mut touched, &planes.columns, &row, [near, far]);
                 }
                 if !touched.is_empty() {
                     let first = (slice * grid.rows + row as u32) * grid.columns;
                     add(first + touched.start as u32..first + touched.end as u32);
                 }
+            }
+        }
+    }
+
+    /// Leaves out cells at both ends of a row that the light misses.
+    fn trim(&self, columns: &mut Range<usize>, planes: &[Plane], row: &Edge, [near, far]: [f32; 2]) {
+        let half = 0.5 * (far - near);
+        let misses = |column: usize| {
+            let edge = Edge::new(planes[column], planes[column + 1], [near, far]);
+            let center = Vec3::new(edge.middle, row.middle, 0.5 * (near + far));
+            self.misses(center, (edge.half_squared + row.half_squared + half * half).sqrt())
+        };
+        while columns.start < columns.end && misses(columns.start) {
+            columns.start += 1;
+        }
+        while columns.start < columns.end && misses(columns.end - 1) {
+            columns.end -= 1;
+        }
+    }
+
+    /// Whether another ball is outside of what the light reaches, as far as its shape says.
+    fn misses(&self, center: Vec3, radius: f32) -> bool {
+        match self.shape {
+            Shape::Ball => false,
+            // Wronski 2017, "Cull that cone!".
+            Shape::Cone { apex, direction, cos, sin, range } => {
+                let to_center = center - apex;
+                let along = to_center.dot(direction);
+                let across = (to_center.length_squared() - along * along).max(0.0).sqrt();
+                let slack = radius + to_center.length() * ROUNDING_VIEW;
+                cos * across - sin * along > slack || along > slack + range || along < -slack
+            }
+            Shape::Box { half_axes } => {
+                let to_center = center - self.center;
+                let slack = radius + (to_center.length() + self.radius) * ROUNDING_VIEW;
+                half_axes.iter().any(|axis| {
+                    let half = axis.length();
+                    to_center.dot(*axis).abs() > (half + slack) * half
+                })
             }
         }
     }
@@ -153,35 +207,5 @@ impl Edge {
         let ends = [low.at(near), low.at(far), high.at(near), high.at(far)];
         let half = ends.iter().fold(0.0_f32, |most, end| most.max((end - middle).abs()));
         Self { middle, half_squared: half * half }
-    }
-}
-
-impl Cone {
-    /// Leaves out cells at both ends of a row that the cone misses.
-    fn trim(&self, columns: &mut Range<usize>, planes: &[Plane], row: &Edge, [near, far]: [f32; 2]) {
-        if !far.is_finite() {
-            return;
-        }
-        let half = 0.5 * (far - near);
-        let misses = |column: usize| {
-            let edge = Edge::new(planes[column], planes[column + 1], [near, far]);
-            let center = Vec3::new(edge.middle, row.middle, 0.5 * (near + far));
-            self.misses(center, (edge.half_squared + row.half_squared + half * half).sqrt())
-        };
-        while columns.start < columns.end && misses(columns.start) {
-            columns.start += 1;
-        }
-        while columns.start < columns.end && misses(columns.end - 1) {
-            columns.end -= 1;
-        }
-    }
-
-    /// Whether the ball is outside (Wronski 2017, "Cull that cone!").
-    fn misses(&self, center: Vec3, radius: f32) -> bool {
-        let to_center = center - self.apex;
-        let along = to_center.dot(self.direction);
-        let across = (to_center.length_squared() - along * along).max(0.0).sqrt();
-        let slack = radius + to_center.length() * ROUNDING_VIEW;
-        self.cos * across - self.sin * along > slack || along > slack + self.range || along < -slack
     }
 }

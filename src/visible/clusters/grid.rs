@@ -27,35 +27,38 @@ pub struct Grid {
 /// Tiles are of 32 pixels, unless the image has more than this many of them.
 const MOST_TILES: u32 = 2048;
 const LEAST_TILE_SHIFT: u32 = 5;
-const SLICES: u32 = 24;
+const MOST_SLICES: u32 = 24;
 /// Slices in front of this share of the farthest light's distance would be thinner than tiles are wide.
 const LEAST_NEAR_SHARE: f32 = 1.0 / 64.0;
 
 impl Grid {
     /// The number of cells of any grid is at most this.
-    pub const MOST_CELLS: usize = (MOST_TILES * SLICES) as usize;
+    pub const MOST_CELLS: usize = (MOST_TILES * MOST_SLICES) as usize;
 
     /// For a view of an image of this size in pixels, whose lights are so far away (nearest and farthest, metres).
     pub(super) fn new(camera: &Camera, size: [u32; 2], [nearest, farthest]: [f32; 2]) -> Self {
-        let (logarithmic, near, far) = match camera.projection {
-            Projection::Perspective { znear_m, zfar_m, .. } => {
-                (true, znear_m, zfar_m.unwrap_or(f32::INFINITY))
+        let (logarithmic, near, far, half) = match camera.projection {
+            Projection::Perspective { yfov_rad, znear_m, zfar_m } => {
+                (true, znear_m, zfar_m.unwrap_or(f32::INFINITY), (yfov_rad * 0.5).tan())
             }
-            Projection::Orthographic { znear_m, zfar_m, .. } => (false, znear_m, zfar_m),
+            Projection::Orthographic { ymag_m, znear_m, zfar_m, .. } => (false, znear_m, zfar_m, ymag_m),
         };
-        let far = far.min(farthest);
-        let near = near.max(nearest).max(if logarithmic { far * LEAST_NEAR_SHARE } else { near });
-        let [first, last] = [near, far].map(|d| if logarithmic { d.log2() } else { d });
         let mut grid = Self { tile_shift: LEAST_TILE_SHIFT, slices: 1, logarithmic, ..Self::default() };
-        if last > first {
-            grid.slices = SLICES;
-            grid.slice_scale = SLICES as f32 / (last - first);
-            grid.slice_bias = -first * grid.slice_scale;
-        }
         grid.cut_tiles(size);
         while grid.columns * grid.rows > MOST_TILES {
             grid.tile_shift += 1;
             grid.cut_tiles(size);
+        }
+        let far = far.min(farthest);
+        let near = near.max(nearest).max(if logarithmic { far * LEAST_NEAR_SHARE } else { near });
+        let [first, last] = [near, far].map(|d| if logarithmic { d.log2() } else { d });
+        if last > first {
+            // Slices at least as thick as tiles are high.
+            let tile = 2.0 * half * (1 << grid.tile_shift) as f32 / size[1] as f32;
+            let least = if logarithmic { tile.ln_1p() / std::f32::consts::LN_2 } else { tile };
+            grid.slices = (((last - first) / least) as u32).clamp(1, MOST_SLICES);
+            grid.slice_scale = grid.slices as f32 / (last - first);
+            grid.slice_bias = -first * grid.slice_scale;
         }
         grid
     }
@@ -147,7 +150,7 @@ impl Planes {
         Self {
             columns: Vec::with_capacity(most),
             rows: Vec::with_capacity(most),
-            slices: Vec::with_capacity(SLICES as usize + 1),
+            slices: Vec::with_capacity(MOST_SLICES as usize + 1),
         }
     }
 

@@ -20,7 +20,9 @@ use crate::scene::Camera;
 
 /// Light lists take this many entries a light at most before the grid is made coarser.
 const ENTRIES_PER_LIGHT: usize = 256;
-/// And this many in all, so that memory stays bounded: 4 MiB. At least one a light, which the coarsest grid takes.
+/// In all at least so many, 64 KiB, since few lights may be large; and at most so many, 4 MiB, so that memory stays
+/// bounded, but always one a light, which is what the coarsest grid takes.
+const LEAST_ENTRIES: usize = 1 << 14;
 const MOST_ENTRIES: usize = 1 << 20;
 
 /// Lists of lights, one a cell; built anew for each frame without allocating.
@@ -57,7 +59,7 @@ impl Clusters {
     }
 
     fn most_entries(lights: usize) -> usize {
-        (lights * ENTRIES_PER_LIGHT).min(MOST_ENTRIES).max(lights)
+        (lights * ENTRIES_PER_LIGHT).clamp(LEAST_ENTRIES, MOST_ENTRIES).max(lights)
     }
 
     /// The greatest length that [`Self::words`] can have for so many lights.
