@@ -6,7 +6,7 @@ use common::render::{Gpu, difference, on_device};
 use common::scenes;
 use ontile::glam::{Mat4, Vec3};
 use ontile::picture::Pixels;
-use ontile::plan::{Layout, LightWay, Options, OutputFormat, Strategy};
+use ontile::plan::{Layout, LightWay, Options, OutputFormat, Path, Strategy};
 use ontile::scene::{Camera, Light, LightKind, Projection, Scene};
 use std::f32::consts::FRAC_PI_2;
 
@@ -133,6 +133,22 @@ fn ways_are_alike_in_one_pass_and_in_several() {
                     assert_eq!(difference(&both[0], &both[1]), None, "{}, {layout}, {lights}", scene.name);
                 }
             }
+        }
+    });
+}
+
+/// Surfaces that are lit as they are drawn find their lights in the same lists.
+#[test]
+fn forward_gives_the_same_picture() {
+    on_device(None, |gpu| {
+        for scene in all_scenes() {
+            let options = Options { path: Path::Forward, ..Options::default() };
+            let expected = floats(gpu, &scene, options.clone());
+            let most = most_relative(
+                &expected,
+                &floats(gpu, &scene, Options { lights: LightWay::Clusters, ..options }),
+            );
+            assert!(most <= MOST_RELATIVE, "{}: {most:.2e} apart", scene.name);
         }
     });
 }

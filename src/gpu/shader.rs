@@ -92,6 +92,13 @@ pub enum Module {
         /// Whether the material has any texture.
         textured: bool,
     },
+    /// Lights a surface as it is drawn and writes the output.
+    Forward {
+        /// Whether the material has any texture.
+        textured: bool,
+        /// Whether each pixel looks at the lights of its cluster, not at all.
+        clusters: bool,
+    },
     /// Shades the G-buffer by punctual lights.
     Lighting {
         /// How the G-buffer is laid out.
@@ -123,6 +130,9 @@ impl Module {
             all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
+        for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
+            all.push(Self::Forward { textured, clusters });
+        }
         all.extend([Self::Tonemap, Self::Fullscreen]);
         all
     }
@@ -147,6 +157,10 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
+            Self::Forward { textured, clusters } => {
+                let clusters = suffix(clusters, "_clusters");
+                format!("forward{clusters}{}.frag", suffix(textured, "_textured"))
+            }
             Self::Lighting { layout, clusters } => {
                 format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
             }
@@ -161,6 +175,7 @@ impl Module {
             Self::GeometryVertex { .. } => "geometry.vert",
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
+            Self::Forward { .. } => "forward.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
@@ -171,9 +186,11 @@ impl Module {
     pub fn stage(self) -> Stage {
         match self {
             Self::GeometryVertex { .. } | Self::Fullscreen => Stage::Vertex,
-            Self::GeometryFragment { .. } | Self::Unlit { .. } | Self::Lighting { .. } | Self::Tonemap => {
-                Stage::Fragment
-            }
+            Self::GeometryFragment { .. }
+            | Self::Unlit { .. }
+            | Self::Forward { .. }
+            | Self::Lighting { .. }
+            | Self::Tonemap => Stage::Fragment,
         }
     }
 
@@ -199,6 +216,7 @@ impl Module {
                 (textured, "TEXTURED"),
             ]),
             Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Forward { textured, clusters } => chosen(&[(textured, "TEXTURED"), (clusters, "CLUSTERS")]),
             Self::Lighting { layout, clusters } => {
                 chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
             }

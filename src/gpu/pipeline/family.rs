@@ -45,9 +45,12 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 4] = {
 impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
+        let clusters = plan.clusters.is_some();
         let frame: &[u32] = match pipeline {
-            Pipeline::Surface(_) => &[FRAME, INSTANCES],
-            Pipeline::Lighting if plan.clusters.is_some() => &[FRAME, LIGHTS, CLUSTERS],
+            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => &[FRAME, INSTANCES],
+            Pipeline::Surface(_) if clusters => &[FRAME, INSTANCES, LIGHTS, CLUSTERS],
+            Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
+            Pipeline::Lighting if clusters => &[FRAME, LIGHTS, CLUSTERS],
             Pipeline::Lighting => &[FRAME, LIGHTS],
             Pipeline::Tonemap => &[FRAME],
         };
