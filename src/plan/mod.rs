@@ -30,6 +30,7 @@ pub use ledger::{
 };
 pub use lights::ClusterBudget;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
+pub(crate) use options::named_enum;
 pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Strategy, Tonemap};
 
 use serde::Serialize;
