@@ -2,6 +2,9 @@
 
 #include "light/punctual.glsl"
 #include "light/extent.glsl"
+#ifdef CLUSTERS
+#include "light/clusters.glsl"
+#endif
 
 layout(constant_id = ID_HAS_DIRECTIONAL) const bool HAS_DIRECTIONAL = false;
 layout(constant_id = ID_HAS_POINT) const bool HAS_POINT = false;
@@ -52,17 +55,33 @@ bool is_lit_from(uint i, Surface surface, vec3 position) {
     return in_range && dot(surface.normal_world, to_light) > 0.0;
 }
 
+// The lights with a place that this pixel looks at are the numbers from x to y, each the number of a light or, with
+// CLUSTERS, the place in the lists where that stands.
+uvec2 local_range(vec3 position) {
+#ifdef CLUSTERS
+    return cluster_list(position);
+#else
+    uint begin = frame.light_counts.x;
+    return uvec2(begin, begin + frame.light_counts.y + frame.light_counts.z + frame.light_counts.w);
+#endif
+}
+
+uint local_light(uint number) {
+#ifdef CLUSTERS
+    return clusters.words[number];
+#else
+    return number;
+#endif
+}
+
 // What a surface at `position` reflects of all lights towards `v`, both world space: cd/m^2.
 vec3 direct_light(Surface surface, vec3 position, vec3 v) {
-    uint local_begin = frame.light_counts.x;
-    uint local_end = local_begin + frame.light_counts.y + frame.light_counts.z + frame.light_counts.w;
-
     vec3 sum = vec3(0.0);
     if (HAS_HEMISPHERE) {
         sum += reflected_diffuse(surface, light_hemispheres(surface.normal_world));
     }
     if (HAS_DIRECTIONAL) {
-        for (uint i = 0u; i < local_begin; ++i) {
+        for (uint i = 0u; i < frame.light_counts.x; ++i) {
             sum += light_reflected(i, surface, position, v);
         }
     }
@@ -70,12 +89,13 @@ vec3 direct_light(Surface surface, vec3 position, vec3 v) {
         // Each pixel of a group looks for its own next light, so that the group evaluates the BRDF as often as the
         // pixel with the most lights needs it. A branch around the BRDF would save less, and nothing where pixels are
         // only masked (lavapipe).
-        for (uint i = local_begin; i < local_end; ++i) {
-            while (i < local_end && !is_lit_from(i, surface, position)) {
-                ++i;
+        uvec2 range = local_range(position);
+        for (uint next = range.x; next < range.y; ++next) {
+            while (next < range.y && !is_lit_from(local_light(next), surface, position)) {
+                ++next;
             }
-            if (i < local_end) {
-                sum += light_reflected(i, surface, position, v);
+            if (next < range.y) {
+                sum += light_reflected(local_light(next), surface, position, v);
             }
         }
     }

@@ -99,15 +99,20 @@ impl Lights {
     }
 
     /// Writes those that reach something that the view sees (all of them without a view) and are not dark, and returns
-    /// how many they are of each kind: directional, point, spot, box.
-    pub(super) fn write_visible(&self, view: Option<&Frustum>, out: &mut [LightData]) -> [u32; LISTED] {
+    /// how many they are of each kind: directional, point, spot, box. `reaches` gets the reach of each, in their order.
+    pub(super) fn write_visible(
+        &self,
+        view: Option<&Frustum>,
+        out: &mut [LightData],
+        reaches: &mut Vec<Reach>,
+    ) -> [u32; LISTED] {
+        reaches.clear();
         let mut counts = [0; LISTED];
-        let mut end = 0;
         for light in self.order.iter().map(|&i| &self.placed[i]).filter(|l| l.kind < LISTED) {
-            let Some(reach) = &light.reach else { continue };
-            if !view.is_some_and(|view| view.misses(reach)) {
-                out[end] = light.data;
-                end += 1;
+            let Some(reach) = light.reach else { continue };
+            if !view.is_some_and(|view| view.misses(&reach)) {
+                out[reaches.len()] = light.data;
+                reaches.push(reach);
                 counts[light.kind] += 1;
             }
         }

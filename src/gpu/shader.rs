@@ -96,11 +96,15 @@ pub enum Module {
     Forward {
         /// Whether the material has any texture.
         textured: bool,
+        /// Whether each pixel looks at the lights of its cluster, not at all.
+        clusters: bool,
     },
     /// Shades the G-buffer by punctual lights.
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
+        /// Whether each pixel looks at the lights of its cluster, not at all.
+        clusters: bool,
     },
     /// Turns the light target into the output.
     Tonemap,
@@ -123,10 +127,12 @@ impl Module {
             for (light_target, textured) in [(false, false), (false, true), (true, false), (true, true)] {
                 all.push(Self::GeometryFragment { layout, light_target, textured });
             }
-            all.push(Self::Lighting { layout });
+            all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
-        all.extend([false, true].map(|textured| Self::Forward { textured }));
+        for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
+            all.push(Self::Forward { textured, clusters });
+        }
         all.extend([Self::Tonemap, Self::Fullscreen]);
         all
     }
@@ -151,8 +157,13 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured } => format!("forward{}.frag", suffix(textured, "_textured")),
-            Self::Lighting { layout } => format!("lighting_{layout}.frag"),
+            Self::Forward { textured, clusters } => {
+                let clusters = suffix(clusters, "_clusters");
+                format!("forward{clusters}{}.frag", suffix(textured, "_textured"))
+            }
+            Self::Lighting { layout, clusters } => {
+                format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
+            }
             Self::Tonemap => "tonemap.frag".into(),
             Self::Fullscreen => "fullscreen.vert".into(),
         }
@@ -204,8 +215,11 @@ impl Module {
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
             ]),
-            Self::Unlit { textured } | Self::Forward { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Lighting { layout } => vec![layout_define(layout)],
+            Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Forward { textured, clusters } => chosen(&[(textured, "TEXTURED"), (clusters, "CLUSTERS")]),
+            Self::Lighting { layout, clusters } => {
+                chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
+            }
             Self::Tonemap | Self::Fullscreen => Vec::new(),
         }
     }

@@ -18,6 +18,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
         has_back: plan.needs.back_colors > 0,
         fold: plan.folded.then_some(output),
     };
+    let clusters = plan.clusters.is_some();
     match pipeline {
         Pipeline::Surface(kind) => {
             let textured = kind.textures != 0;
@@ -29,10 +30,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
             } else if kind.unlit {
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
-                (vertex, Module::Forward { textured }, constants.and(lighting.specialization()))
+                (vertex, Module::Forward { textured, clusters }, constants.and(lighting.specialization()))
             }
         }
-        Pipeline::Lighting => (Module::Fullscreen, Module::Lighting { layout }, lighting.specialization()),
+        Pipeline::Lighting => {
+            (Module::Fullscreen, Module::Lighting { layout, clusters }, lighting.specialization())
+        }
         Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
     }
 }
