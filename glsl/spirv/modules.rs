@@ -23,6 +23,8 @@ embed![
     "geometry_uc.vert",
     "lighting_exact.frag",
     "lighting_metallic128.frag",
+    "mask.frag",
+    "mask_textured.frag",
     "tonemap.frag",
     "unlit.frag",
     "unlit_textured.frag",

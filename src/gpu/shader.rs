@@ -97,6 +97,11 @@ pub enum Module {
         /// Whether the material has any texture.
         textured: bool,
     },
+    /// Keeps nothing of a surface but what its alpha mask leaves.
+    Mask {
+        /// Whether the material has any texture.
+        textured: bool,
+    },
     /// Shades the G-buffer by punctual lights.
     Lighting {
         /// How the G-buffer is laid out.
@@ -127,6 +132,7 @@ impl Module {
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
         all.extend([false, true].map(|textured| Self::Forward { textured }));
+        all.extend([false, true].map(|textured| Self::Mask { textured }));
         all.extend([Self::Tonemap, Self::Fullscreen]);
         all
     }
@@ -152,6 +158,7 @@ impl Module {
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
             Self::Forward { textured } => format!("forward{}.frag", suffix(textured, "_textured")),
+            Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
             Self::Lighting { layout } => format!("lighting_{layout}.frag"),
             Self::Tonemap => "tonemap.frag".into(),
             Self::Fullscreen => "fullscreen.vert".into(),
@@ -165,6 +172,7 @@ impl Module {
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
             Self::Forward { .. } => "forward.frag",
+            Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
@@ -178,6 +186,7 @@ impl Module {
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
+            | Self::Mask { .. }
             | Self::Lighting { .. }
             | Self::Tonemap => Stage::Fragment,
         }
@@ -204,7 +213,9 @@ impl Module {
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
             ]),
-            Self::Unlit { textured } | Self::Forward { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Unlit { textured } | Self::Forward { textured } | Self::Mask { textured } => {
+                chosen(&[(textured, "TEXTURED")])
+            }
             Self::Lighting { layout } => vec![layout_define(layout)],
             Self::Tonemap | Self::Fullscreen => Vec::new(),
         }

@@ -5,8 +5,8 @@ use super::super::shader::{
 };
 use crate::plan::{Pipeline, Plan, SurfaceKind};
 
-/// Vertex and fragment shader of a pipeline, and what the latter is specialised with.
-pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Specialization) {
+/// Vertex and fragment shader of a pipeline, and what the latter is specialised with; solid depth has no fragment shader.
+pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
     let layout = plan.options.layout;
     let output = OutputConstants { tonemap: plan.options.tonemap, dither: plan.options.dither };
     let lighting = LightingConstants {
@@ -15,7 +15,18 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
         has_spot: plan.needs.spot_lights > 0,
         fold: plan.folded.then_some(output),
     };
-    match pipeline {
+    let (vertex, fragment, constants) = match pipeline {
+        Pipeline::Depth(kind) => {
+            let textured = kind.textures != 0;
+            let vertex = Module::GeometryVertex {
+                normal: false,
+                texcoord: textured,
+                tangent: false,
+                color: kind.vertex_color,
+            };
+            let mask = kind.alpha_mask.then_some(Module::Mask { textured });
+            return (vertex, mask, surface_constants(kind).specialization());
+        }
         Pipeline::Surface(kind) => {
             let textured = kind.textures != 0;
             let constants = surface_constants(kind).specialization();
@@ -31,7 +42,8 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
         }
         Pipeline::Lighting => (Module::Fullscreen, Module::Lighting { layout }, lighting.specialization()),
         Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
-    }
+    };
+    (vertex, Some(fragment), constants)
 }
 
 fn vertex_module(kind: &SurfaceKind) -> Module {
