@@ -10,7 +10,7 @@ mod shader_manifest;
 use ontile::gpu::shader::{
     GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, embedded_names, shared,
 };
-use ontile::gpu::shared::{FrameUniforms, InstanceData, LightData, MaterialData};
+use ontile::gpu::shared::{ClusterGrid, FrameUniforms, InstanceData, LightData, MaterialData};
 use ontile::plan::Tonemap;
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;
@@ -129,7 +129,7 @@ fn names_are_unique_and_unknown_keys_are_errors() {
     assert!(tangent_only.spirv().unwrap_err().to_string().contains("geometry_t.vert"));
 }
 
-fn blocks() -> [Block; 4] {
+fn blocks() -> [Block; 5] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -168,6 +168,7 @@ fn blocks() -> [Block; 4] {
                 spot_offset,
             }
         ),
+        block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
     ]
 }
 
@@ -188,7 +189,7 @@ fn shared_structs_have_the_shaders_offsets() {
 
 #[test]
 fn wrong_offsets_are_reported() {
-    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact }.spirv().unwrap();
+    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, clusters: false }.spirv().unwrap();
     let light = &blocks()[3];
 
     // Rust's side: two members change places, one is forgotten.
@@ -244,7 +245,7 @@ fn interfaces_have_the_numbers_of_shared_h() {
 fn wrong_interfaces_are_reported() {
     let numbers = shared_numbers();
     let nutc = Module::GeometryVertex { normal: true, texcoord: true, tangent: true, color: true };
-    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128 };
+    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, clusters: false };
     for (module, decoration) in [
         (nutc, Decoration::Location),
         (nutc, Decoration::DescriptorSet),
@@ -273,7 +274,7 @@ fn fragments_read_what_vertices_write() {
         for (fragment, read) in &all {
             let (Module::GeometryFragment { textured, .. }
             | Module::Unlit { textured }
-            | Module::Forward { textured }
+            | Module::Forward { textured, .. }
             | Module::Mask { textured }) = *fragment
             else {
                 continue;
@@ -286,8 +287,8 @@ fn fragments_read_what_vertices_write() {
             pairs += 1;
         }
     }
-    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 7 of each.
-    assert_eq!(pairs, 7 * (10 + 6));
+    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 8 of each.
+    assert_eq!(pairs, 8 * (10 + 6));
 }
 
 #[test]

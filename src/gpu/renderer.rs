@@ -74,6 +74,8 @@ pub struct Recorded {
     pub objects: usize,
     /// Lights that reach something in view; the others that are not dark were culled.
     pub lights: usize,
+    /// CPU time of listing the lights of each part of the view; 0 where the plan has no light lists.
+    pub light_lists: std::time::Duration,
 }
 
 impl Renderer {
@@ -234,7 +236,12 @@ impl Renderer {
         assert!(target.is_of(&self.passes), "the target was created by another renderer");
         let vk::Extent2D { width, height } = target.extent();
         let seen = self.scene.write_frame(slot, view, &self.plan, [width, height], self.config.cull);
-        let recorded = Recorded { objects: seen.objects, lights: seen.lights, ..Recorded::default() };
+        let recorded = Recorded {
+            objects: seen.objects,
+            lights: seen.lights,
+            light_lists: seen.light_lists,
+            ..Recorded::default()
+        };
         let mut frame = Frame { renderer: self, recorder, slot, target, output, recorded };
         frame.record();
         self.recorded = frame.recorded;

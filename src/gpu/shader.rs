@@ -96,6 +96,8 @@ pub enum Module {
     Forward {
         /// Whether the material has any texture.
         textured: bool,
+        /// Whether each pixel looks at the lights of its cluster, not at all.
+        clusters: bool,
     },
     /// Keeps nothing of a surface but what its alpha mask leaves.
     Mask {
@@ -106,6 +108,8 @@ pub enum Module {
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
+        /// Whether each pixel looks at the lights of its cluster, not at all.
+        clusters: bool,
     },
     /// Turns the light target into the output.
     Tonemap,
@@ -128,10 +132,12 @@ impl Module {
             for (light_target, textured) in [(false, false), (false, true), (true, false), (true, true)] {
                 all.push(Self::GeometryFragment { layout, light_target, textured });
             }
-            all.push(Self::Lighting { layout });
+            all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
-        all.extend([false, true].map(|textured| Self::Forward { textured }));
+        for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
+            all.push(Self::Forward { textured, clusters });
+        }
         all.extend([false, true].map(|textured| Self::Mask { textured }));
         all.extend([Self::Tonemap, Self::Fullscreen]);
         all
@@ -157,9 +163,14 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured } => format!("forward{}.frag", suffix(textured, "_textured")),
             Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
-            Self::Lighting { layout } => format!("lighting_{layout}.frag"),
+            Self::Forward { textured, clusters } => {
+                let clusters = suffix(clusters, "_clusters");
+                format!("forward{clusters}{}.frag", suffix(textured, "_textured"))
+            }
+            Self::Lighting { layout, clusters } => {
+                format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
+            }
             Self::Tonemap => "tonemap.frag".into(),
             Self::Fullscreen => "fullscreen.vert".into(),
         }
@@ -213,10 +224,11 @@ impl Module {
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
             ]),
-            Self::Unlit { textured } | Self::Forward { textured } | Self::Mask { textured } => {
-                chosen(&[(textured, "TEXTURED")])
+            Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Forward { textured, clusters } => chosen(&[(textured, "TEXTURED"), (clusters, "CLUSTERS")]),
+            Self::Lighting { layout, clusters } => {
+                chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
             }
-            Self::Lighting { layout } => vec![layout_define(layout)],
             Self::Tonemap | Self::Fullscreen => Vec::new(),
         }
     }

@@ -30,25 +30,30 @@ pub(in crate::gpu) enum SecondSet {
 const FRAME: u32 = shared("BINDING_FRAME");
 const INSTANCES: u32 = shared("BINDING_INSTANCES");
 const LIGHTS: u32 = shared("BINDING_LIGHTS");
+const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 3] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 4] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
         (FRAME, T::UNIFORM_BUFFER, both),
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
         (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
     ]
 };
 
 impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
+        let clusters = plan.clusters.is_some();
         let frame: &[u32] = match pipeline {
             Pipeline::Depth(_) => &[FRAME, INSTANCES],
             Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => &[FRAME, INSTANCES],
+            Pipeline::Surface(_) if clusters => &[FRAME, INSTANCES, LIGHTS, CLUSTERS],
             Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
+            Pipeline::Lighting if clusters => &[FRAME, LIGHTS, CLUSTERS],
             Pipeline::Lighting => &[FRAME, LIGHTS],
             Pipeline::Tonemap => &[FRAME],
         };

@@ -15,6 +15,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         has_spot: plan.needs.spot_lights > 0,
         fold: plan.folded.then_some(output),
     };
+    let clusters = plan.clusters.is_some();
     let (vertex, fragment, constants) = match pipeline {
         Pipeline::Depth(kind) => {
             let textured = kind.textures != 0;
@@ -37,10 +38,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             } else if kind.unlit {
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
-                (vertex, Module::Forward { textured }, constants.and(lighting.specialization()))
+                (vertex, Module::Forward { textured, clusters }, constants.and(lighting.specialization()))
             }
         }
-        Pipeline::Lighting => (Module::Fullscreen, Module::Lighting { layout }, lighting.specialization()),
+        Pipeline::Lighting => {
+            (Module::Fullscreen, Module::Lighting { layout, clusters }, lighting.specialization())
+        }
         Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
     };
     (vertex, Some(fragment), constants)
