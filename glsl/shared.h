@@ -10,6 +10,7 @@
 #define BINDING_FRAME 0
 #define BINDING_INSTANCES 1
 #define BINDING_LIGHTS 2
+#define BINDING_CLUSTERS 3
 #define BINDING_SPLIT_SUM 8
 #define BINDING_ENVIRONMENT 9
 #define BINDING_RADIANCE 10
@@ -62,6 +63,9 @@
 #define ID_FOLD 17
 #define ID_TONEMAP 18
 #define ID_DITHER 19
+#define ID_HAS_BOX 20
+#define ID_HAS_HEMISPHERE 21
+#define ID_HAS_BACK 22
 #define ID_RGBM 40
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.

@@ -98,13 +98,22 @@ pub enum Module {
     Forward {
         /// Whether the material has any texture.
         textured: bool,
+        /// Whether each pixel looks at the lights of its cluster, not at all.
+        clusters: bool,
         /// What arrives from all around.
         around: Around,
+    },
+    /// Keeps nothing of a surface but what its alpha mask leaves.
+    Mask {
+        /// Whether the material has any texture.
+        textured: bool,
     },
     /// Shades the G-buffer by punctual lights.
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
+        /// Whether each pixel looks at the lights of its cluster, not at all.
+        clusters: bool,
     },
     /// Turns the light target into the output.
     Tonemap,
@@ -141,12 +150,13 @@ impl Module {
                 all.push(module(false, Around::Nothing));
                 all.extend(AROUND.map(|around| module(true, around)));
             }
-            all.push(Self::Lighting { layout });
+            all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
-        for textured in [false, true] {
-            all.extend(AROUND.map(|around| Self::Forward { textured, around }));
+        for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
+            all.extend(AROUND.map(|around| Self::Forward { textured, clusters, around }));
         }
+        all.extend([false, true].map(|textured| Self::Mask { textured }));
         all.extend([Self::Tonemap, Self::Fullscreen]);
         all
     }
@@ -172,10 +182,15 @@ impl Module {
                 around_suffix(around),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured, around } => {
-                format!("forward{}{}.frag", suffix(textured, "_textured"), around_suffix(around))
+            Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
+            Self::Forward { textured, clusters, around } => {
+                let clusters = suffix(clusters, "_clusters");
+                let textured = suffix(textured, "_textured");
+                format!("forward{clusters}{textured}{}.frag", around_suffix(around))
             }
-            Self::Lighting { layout } => format!("lighting_{layout}.frag"),
+            Self::Lighting { layout, clusters } => {
+                format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
+            }
             Self::Tonemap => "tonemap.frag".into(),
             Self::Fullscreen => "fullscreen.vert".into(),
         }
@@ -188,6 +203,7 @@ impl Module {
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
             Self::Forward { .. } => "forward.frag",
+            Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
@@ -201,6 +217,7 @@ impl Module {
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
+            | Self::Mask { .. }
             | Self::Lighting { .. }
             | Self::Tonemap => Stage::Fragment,
         }
@@ -229,13 +246,16 @@ impl Module {
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
             ]),
-            Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Forward { textured, around } => chosen(&[
+            Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Forward { textured, clusters, around } => chosen(&[
                 (textured, "TEXTURED"),
+                (clusters, "CLUSTERS"),
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
             ]),
-            Self::Lighting { layout } => vec![layout_define(layout)],
+            Self::Lighting { layout, clusters } => {
+                chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
+            }
             Self::Tonemap | Self::Fullscreen => Vec::new(),
         }
     }

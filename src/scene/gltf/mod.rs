@@ -1,13 +1,15 @@
 //! glTF 2.0 files into a [`Scene`](super::Scene).
 //!
 //! Data flows one way: `source` gives bytes, `document` parsed JSON and checked byte ranges, `accessor` typed
-//! lists, and `node`, `material`, `mesh` and `image` what the scene holds. Nothing in a file is trusted: every
+//! lists, and `node`, `light`, `material`, `mesh` and `image` what the scene holds. Nothing in a file is trusted: every
 //! index, range and number is checked before it is used.
 
 mod accessor;
 mod defaults;
 mod document;
+mod extras;
 mod image;
+mod light;
 mod material;
 mod mesh;
 mod node;
@@ -32,7 +34,18 @@ use pose::Skin;
 /// World coordinates beyond this (metres) would overflow f32 where lengths are squared.
 const MAX_COORDINATE_M: f32 = 1e15;
 
+/// What [`Scene::warnings`] say of lights that no file has.
+const DEFAULT_LIGHTS: &str = "scene: it has no lights; a default key and fill light were added";
+
 impl Scene {
+    /// Takes away the lights that [`Self::load`] added because the file has none: for a scene that is lit otherwise.
+    pub fn drop_default_lights(&mut self) {
+        if std::mem::take(&mut self.has_default_lights) {
+            self.lights.clear();
+            self.warnings.retain(|warning| warning != DEFAULT_LIGHTS);
+        }
+    }
+
     /// Loads a glTF 2.0 file (`.gltf` or `.glb`) with the buffers and images that it uses.
     ///
     /// The scene is the file's default one (else the first, else all nodes), as it stands without animations:
@@ -54,6 +67,7 @@ impl Scene {
 
         let mut materials = Materials::default();
         read_meshes(&doc, &tree, &mut scene, &mut materials)?;
+        scene.lights = light::read_lights(&doc, &tree, &mut materials)?;
         scene.images = image::decode_all(&doc, &materials.images)?;
         scene.materials = materials.materials;
         scene.textures = materials.textures;
@@ -77,11 +91,11 @@ impl Scene {
         if scene.cameras.is_empty() {
             scene.cameras.push(defaults::camera(bounds));
         }
-        scene.lights = node::read_lights(&doc, &tree)?;
         let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
         if scene.lights.is_empty() && is_lit {
             scene.lights = defaults::lights(&scene.cameras[0]);
-            scene.warnings.push("scene: it has no lights; a default key and fill light were added".into());
+            scene.has_default_lights = true;
+            scene.warnings.push(DEFAULT_LIGHTS.into());
         }
         Ok(scene)
     }
