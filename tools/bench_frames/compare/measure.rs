@@ -103,10 +103,10 @@ impl Racer {
     fn frame(&mut self, clock: Clock) -> Result<()> {
         let times = self.host.frame(&View { camera: &self.scene.cameras[0], exposure_ev: 0.0 })?;
         let wall_ms = times.record_ms + times.wall_ms;
-        self.measured.frame_ms.push(match clock {
+        self.measured.frame_ms.push(rounded(match clock {
             Clock::Wall => wall_ms,
             Clock::Gpu => times.gpu_ms.unwrap_or(wall_ms),
-        });
+        }));
         self.record_ms.push(times.record_ms);
         Ok(())
     }
@@ -114,7 +114,7 @@ impl Racer {
     fn finish(self) -> Outcome {
         let recorded = self.host.renderer.recorded();
         Outcome::Measured(Measured {
-            record_ms: median(&self.record_ms).unwrap_or_default(),
+            record_ms: rounded(median(&self.record_ms).unwrap_or_default()),
             draws: recorded.draws,
             state_changes: recorded.state_changes,
             objects: recorded.objects,
@@ -122,6 +122,11 @@ impl Racer {
             ..self.measured
         })
     }
+}
+
+/// To tenths of microseconds, which no clock here tells apart: short in files.
+pub fn rounded(ms: f64) -> f64 {
+    (ms * 1e4).round() / 1e4
 }
 
 /// The share of the screen that a scene's lights reach, by a small picture of it.

@@ -50,7 +50,13 @@ pub fn cases(name: TableName, device: &Device, settings: &Settings) -> Result<Ve
         TableName::Draws => draws(s)?,
         TableName::Coverage => coverage(device, s)?,
         TableName::Floating => floating(s),
-        TableName::Sets => Vec::new(),
+        TableName::Sets => {
+            let scene = Rc::new(scenes::interior()?);
+            let ways = [MULTIPASS, WITHOUT_SETS]
+                .map(|name| way(name, &scene, Path::ForwardMultipass, LightWay::Auto))
+                .into();
+            vec![Case { label: "interior".into(), x: 0.0, size: s.view_size, ways }]
+        }
         TableName::Lights => {
             let counts = places(s, 1, s.most_lights);
             let case = |n: usize| Ok(lights_case(scenes::many_lights(n)?, n as f64, format!("{n}"), s, true));
@@ -74,8 +80,8 @@ pub fn cases(name: TableName, device: &Device, settings: &Settings) -> Result<Ve
             let case = |n: usize| {
                 let scene = Rc::new(scenes::layers(n));
                 let mut ways = paths(&scene);
-                let prepass = way(PREPASS, &scene, Path::Forward, LightWay::Auto);
-                // TODO prepass.options.depth_prepass = true;
+                let mut prepass = way(PREPASS, &scene, Path::Forward, LightWay::Auto);
+                prepass.options.depth_prepass = true;
                 ways.insert(2, prepass);
                 Case { label: format!("{n}"), x: n as f64, size: s.sweep_size, ways }
             };
