@@ -34,7 +34,6 @@ pub const VOLUMES: &str = LightWay::Volumes.name();
 pub const STENCIL: &str = LightWay::Stencil.name();
 pub const CLUSTERS: &str = LightWay::Clusters.name();
 pub const LIGHT_WAYS: [&str; 4] = [FULLSCREEN, VOLUMES, STENCIL, CLUSTERS];
-pub const PATHS: [&str; 3] = [DEFERRED, FORWARD, MULTIPASS];
 pub const PREPASS: &str = "forward, depth pre-pass";
 /// Every light draws every object in view.
 pub const WITHOUT_SETS: &str = "forward-multipass without sets";
