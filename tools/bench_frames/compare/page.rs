@@ -43,6 +43,7 @@ pub fn page(report: &Report) -> String {
             if least >= most { most.to_string() } else { format!("{least} to {most}") }
         );
     }
+    in_short(&mut page, report);
     where_each_wins(&mut page, report);
     target_table(&mut page, report);
     conclusions(&mut page, report);
@@ -82,6 +83,28 @@ pub fn chart_name(name: TableName, run: &Run) -> String {
         .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' })
         .collect();
     format!("{}-{device}", name.name())
+}
+
+/// How many conclusions hold, and how many targets are met.
+fn in_short(page: &mut String, report: &Report) {
+    *page += "\n";
+    for run in &report.runs {
+        let findings = findings(run);
+        let known = findings.iter().filter(|f| f.verdict != Verdict::Unknown).count();
+        let count = |verdict| findings.iter().filter(|f| f.verdict == verdict).count();
+        let (hold, partly, fail) = (count(Verdict::Holds), count(Verdict::Partly), count(Verdict::Fails));
+        let targets = targets(run);
+        let met = targets.iter().filter(|t| t.met == Some(true)).count();
+        let _ = write!(
+            page,
+            "On {}, of {known} conclusions of 2007 that were measured {hold} hold, {partly} hold in part and {fail} do not",
+            run.short_name()
+        );
+        let _ = match targets.len() {
+            0 => writeln!(page, "."),
+            all => writeln!(page, "; {met} of {all} targets are met."),
+        };
+    }
 }
 
 fn where_each_wins(page: &mut String, report: &Report) {
