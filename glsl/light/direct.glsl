@@ -18,9 +18,9 @@ vec3 reflected_diffuse(Surface surface, vec3 irradiance) {
     return surface.base_color * ((1.0 - surface.metallic) / PI) * irradiance;
 }
 
-// What a surface at `position` reflects of one light towards `v`, both world space: cd/m^2. The light's kind follows from
-// its place in the list.
-vec3 light_reflected(uint i, Surface surface, vec3 position, vec3 v) {
+// What a surface at `position` reflects of one light, world space: cd/m^2. The light's kind follows from its place in the
+// list.
+vec3 light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
     uint point_begin = frame.light_counts.x;
     uint spot_begin = point_begin + frame.light_counts.y;
     uint box_begin = spot_begin + frame.light_counts.z;
@@ -35,7 +35,7 @@ vec3 light_reflected(uint i, Surface surface, vec3 position, vec3 v) {
         incident = light_point(lights[i], position);
     }
     float n_dot_l = dot(surface.normal_world, incident.direction);
-    vec3 bsdf = brdf(surface, surface.normal_world, v, incident.direction);
+    vec3 bsdf = brdf(r, incident.direction, clamp(n_dot_l, 0.0, 1.0));
     vec3 sum = bsdf * (incident.illuminance * max(n_dot_l, 0.0));
     if (HAS_BACK) {
         sum += reflected_diffuse(surface, incident.back * max(-n_dot_l, 0.0));
@@ -76,13 +76,14 @@ uint local_light(uint number) {
 
 // What a surface at `position` reflects of all lights towards `v`, both world space: cd/m^2.
 vec3 direct_light(Surface surface, vec3 position, vec3 v) {
+    Reflector r = reflector(surface, v);
     vec3 sum = vec3(0.0);
     if (HAS_HEMISPHERE) {
         sum += reflected_diffuse(surface, light_hemispheres(surface.normal_world));
     }
     if (HAS_DIRECTIONAL) {
         for (uint i = 0u; i < frame.light_counts.x; ++i) {
-            sum += light_reflected(i, surface, position, v);
+            sum += light_reflected(i, surface, r, position);
         }
     }
     if (HAS_POINT || HAS_SPOT || HAS_BOX) {
@@ -95,7 +96,7 @@ vec3 direct_light(Surface surface, vec3 position, vec3 v) {
                 ++next;
             }
             if (next < range.y) {
-                sum += light_reflected(local_light(next), surface, position, v);
+                sum += light_reflected(local_light(next), surface, r, position);
             }
         }
     }
