@@ -11,6 +11,7 @@
 #define BINDING_INSTANCES 1
 #define BINDING_LIGHTS 2
 #define BINDING_CLUSTERS 3
+#define BINDING_VOLUMES 4
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 
@@ -32,6 +33,7 @@
 #define VARYING_TEXCOORD 1
 #define VARYING_TANGENT 2
 #define VARYING_COLOR 3
+#define VARYING_LIGHT 4
 
 // Colour output locations: of geometry, and of the subpasses with one output.
 #define TARGET_DEPTH 0
@@ -61,6 +63,7 @@
 #define ID_FOLD 17
 #define ID_TONEMAP 18
 #define ID_DITHER 19
+#define ID_VOLUME_SHAPE 20
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0
@@ -75,3 +78,8 @@
 #define TONEMAP_ACES 1
 #define TONEMAP_REINHARD 2
 #define TONEMAP_LINEAR 3
+
+// Values of the constant VOLUME_SHAPE.
+#define VOLUME_SCREEN 0
+#define VOLUME_SPHERE 1
+#define VOLUME_CONE 2

@@ -15,6 +15,8 @@ pub const fn format(f: Format) -> vk::Format {
         Format::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
         Format::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
         Format::D32Float => vk::Format::D32_SFLOAT,
+        Format::D32FloatS8 => vk::Format::D32_SFLOAT_S8_UINT,
+        Format::D24UnormS8 => vk::Format::D24_UNORM_S8_UINT,
     }
 }
 
@@ -24,6 +26,7 @@ pub const fn layout(s: State) -> vk::ImageLayout {
         State::Undefined => vk::ImageLayout::UNDEFINED,
         State::Color => vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
         State::Depth => vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+        State::DepthTest => vk::ImageLayout::DEPTH_STENCIL_READ_ONLY_OPTIMAL,
         State::Input | State::Sampled => vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
         State::CopySource => vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
         State::Present => vk::ImageLayout::PRESENT_SRC_KHR,

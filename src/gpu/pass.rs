@@ -4,7 +4,7 @@ use ash::vk;
 
 use super::{Device, Owned, conv};
 use crate::Result;
-use crate::plan::{Dependency, Pass, Plan, Subpass};
+use crate::plan::{Dependency, Load, Pass, Plan, Store, Subpass};
 
 /// Creates what the plan says, nothing more.
 ///
@@ -15,13 +15,16 @@ pub fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<O
         .attachments
         .iter()
         .map(|a| {
+            let format = plan.attachments[a.attachment].format;
+            // Stencil goes the way of the depth beside it.
+            let stencil = if format.has_stencil() { (a.load, a.store) } else { (Load::DontCare, Store::DontCare) };
             vk::AttachmentDescription::default()
-                .format(conv::format(plan.attachments[a.attachment].format))
+                .format(conv::format(format))
                 .samples(vk::SampleCountFlags::TYPE_1)
                 .load_op(conv::load_op(a.load))
                 .store_op(conv::store_op(a.store))
-                .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
-                .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
+                .stencil_load_op(conv::load_op(stencil.0))
+                .stencil_store_op(conv::store_op(stencil.1))
                 .initial_layout(conv::layout(a.initial))
                 .final_layout(conv::layout(a.last))
         })
@@ -50,7 +53,10 @@ impl References {
         let reference = |&i: &usize, layout| vk::AttachmentReference { attachment: i as u32, layout };
         let color = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
         let input = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
-        let depth = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        let depth = match subpass.depth_writes || subpass.stencil {
+            true => vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+            false => vk::ImageLayout::DEPTH_STENCIL_READ_ONLY_OPTIMAL,
+        };
         Self {
             colors: subpass.colors.iter().map(|i| reference(i, color)).collect(),
             inputs: subpass.inputs.iter().map(|i| reference(i, input)).collect(),

@@ -103,13 +103,26 @@ pub enum Module {
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
-        /// Whether each pixel looks at the lights of its cluster, not at all.
-        clusters: bool,
+        /// Which lights a pixel looks at.
+        lights: LightLoop,
     },
     /// Turns the light target into the output.
     Tonemap,
     /// One triangle over the whole image.
     Fullscreen,
+    /// A mesh around what a light reaches.
+    LightVolume,
+}
+
+/// The lights that a pixel looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LightLoop {
+    /// All.
+    All,
+    /// Those that shine everywhere and those in the list of its cluster.
+    Cluster,
+    /// The one that is drawn.
+    One,
 }
 
 impl Module {
@@ -127,13 +140,14 @@ impl Module {
             for (light_target, textured) in [(false, false), (false, true), (true, false), (true, true)] {
                 all.push(Self::GeometryFragment { layout, light_target, textured });
             }
-            all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
+            let loops = [LightLoop::All, LightLoop::Cluster, LightLoop::One];
+            all.extend(loops.map(|lights| Self::Lighting { layout, lights }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
         for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
             all.push(Self::Forward { textured, clusters });
         }
-        all.extend([Self::Tonemap, Self::Fullscreen]);
+        all.extend([Self::Tonemap, Self::Fullscreen, Self::LightVolume]);
         all
     }
 
@@ -161,11 +175,17 @@ impl Module {
                 let clusters = suffix(clusters, "_clusters");
                 format!("forward{clusters}{}.frag", suffix(textured, "_textured"))
             }
-            Self::Lighting { layout, clusters } => {
-                format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
+            Self::Lighting { layout, lights } => {
+                let lights = match lights {
+                    LightLoop::All => "",
+                    LightLoop::Cluster => "_clusters",
+                    LightLoop::One => "_one",
+                };
+                format!("lighting_{layout}{lights}.frag")
             }
             Self::Tonemap => "tonemap.frag".into(),
             Self::Fullscreen => "fullscreen.vert".into(),
+            Self::LightVolume => "light_volume.vert".into(),
         }
     }
 
@@ -179,13 +199,14 @@ impl Module {
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
+            Self::LightVolume => "light_volume.vert",
         }
     }
 
     /// The stage that it is for.
     pub fn stage(self) -> Stage {
         match self {
-            Self::GeometryVertex { .. } | Self::Fullscreen => Stage::Vertex,
+            Self::GeometryVertex { .. } | Self::Fullscreen | Self::LightVolume => Stage::Vertex,
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
@@ -217,10 +238,12 @@ impl Module {
             ]),
             Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
             Self::Forward { textured, clusters } => chosen(&[(textured, "TEXTURED"), (clusters, "CLUSTERS")]),
-            Self::Lighting { layout, clusters } => {
-                chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
-            }
-            Self::Tonemap | Self::Fullscreen => Vec::new(),
+            Self::Lighting { layout, lights } => chosen(&[
+                (true, layout_define(layout)),
+                (lights == LightLoop::Cluster, "CLUSTERS"),
+                (lights == LightLoop::One, "ONE_LIGHT"),
+            ]),
+            Self::Tonemap | Self::Fullscreen | Self::LightVolume => Vec::new(),
         }
     }
 

@@ -141,7 +141,9 @@ impl OutputBuilder<'_> {
         let mut set_of_stage = vec![None; self.plan.stage_count()];
         let mut wanted = Vec::new();
         for (index, (stage, pipeline)) in self.plan.pipelines.iter().enumerate() {
-            if matches!(pipeline, Pipeline::Surface(_)) {
+            // A stage's pipelines that read inputs read the same ones.
+            if matches!(pipeline, Pipeline::Surface(_) | Pipeline::LightMask(_)) || set_of_stage[*stage].is_some()
+            {
                 continue;
             }
             let family = self.pipelines.layout_of(index);

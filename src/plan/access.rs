@@ -15,9 +15,9 @@ pub enum Access {
     ColorRead,
     /// Writing, clearing or storing a colour attachment.
     ColorWrite,
-    /// Depth test.
+    /// Depth or stencil test.
     DepthRead,
-    /// Depth write, clear or store.
+    /// Depth or stencil write, clear or store.
     DepthWrite,
     /// A fragment shader reads its own pixel.
     InputRead,
@@ -36,7 +36,8 @@ impl Access {
         match how {
             Use::Write => [Self::ColorWrite].into(),
             Use::Blend => [Self::ColorRead, Self::ColorWrite].into(),
-            Use::Depth => [Self::DepthRead, Self::DepthWrite].into(),
+            Use::Depth | Use::Stencil => [Self::DepthRead, Self::DepthWrite].into(),
+            Use::DepthTest => [Self::DepthRead].into(),
             Use::Read => [Self::InputRead].into(),
         }
     }
@@ -74,8 +75,10 @@ pub enum State {
     Undefined,
     /// Colour output.
     Color,
-    /// Depth test.
+    /// Depth test, and what it or the stencil writes.
     Depth,
+    /// Depth test that writes nothing.
+    DepthTest,
     /// Input attachment.
     Input,
     /// Source of copies.
@@ -91,7 +94,8 @@ impl State {
     pub const fn of(how: Use) -> Self {
         match how {
             Use::Write | Use::Blend => Self::Color,
-            Use::Depth => Self::Depth,
+            Use::Depth | Use::Stencil => Self::Depth,
+            Use::DepthTest => Self::DepthTest,
             Use::Read => Self::Input,
         }
     }

@@ -85,7 +85,12 @@ impl Plan {
             let blend = if s.blend { " (added)" } else { "" };
             writeln!(f, "      writes  {}{blend}", list(&s.colors))?;
             if let Some(depth) = s.depth {
-                writeln!(f, "      tests   {}", name(depth))?;
+                let writes = match (s.depth_writes, s.stencil) {
+                    (true, _) => "",
+                    (false, true) => " (writes stencil only)",
+                    (false, false) => " (writes nothing)",
+                };
+                writeln!(f, "      tests   {}{writes}", name(depth))?;
             }
             writeln!(
                 f,

@@ -1,6 +1,6 @@
 //! The stages of a frame and the resources that they exchange, before anything is placed in memory.
 
-use super::{Format, Needs, Options, Path, layout::Target};
+use super::{Format, LightWay, Needs, Options, Path, layout::Target};
 
 /// Something that stages write and read, one value a pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +28,10 @@ pub enum Use {
     Blend,
     /// Depth test and write.
     Depth,
+    /// Depth test.
+    DepthTest,
+    /// Depth test; the stencil is written and tested.
+    Stencil,
     /// Input attachment: this pixel of an earlier stage's output.
     Read,
 }
@@ -35,12 +39,12 @@ pub enum Use {
 impl Use {
     /// Whether earlier content matters.
     pub const fn reads(self) -> bool {
-        matches!(self, Self::Blend | Self::Read)
+        matches!(self, Self::Blend | Self::Read | Self::DepthTest | Self::Stencil)
     }
 
     /// Whether content changes.
     pub const fn writes(self) -> bool {
-        !matches!(self, Self::Read)
+        !matches!(self, Self::Read | Self::DepthTest)
     }
 }
 
@@ -70,8 +74,9 @@ impl Frame {
     /// The final image's index in `resources`.
     pub const OUTPUT: usize = 0;
 
-    /// The least number of stages and resources that give the picture on this path, which is not [`Path::Auto`].
-    pub fn new(needs: &Needs, options: &Options, path: Path) -> Self {
+    /// The least number of stages and resources that give the picture on this path and in this way, none of which is
+    /// `Auto`. The format is for depth where the way needs a stencil.
+    pub fn new(needs: &Needs, options: &Options, path: Path, way: LightWay, depth_stencil: Format) -> Self {
         let mut resources = vec![Resource {
             name: "output",
             format: options.output.into(),
@@ -91,18 +96,26 @@ impl Frame {
             });
             resources.len() - 1
         };
-        let depth_uses = if needs.triangles > 1 {
+        let one_by_one = matches!(way, LightWay::Volumes | LightWay::Stencil);
+        let depth = (needs.triangles > 1 || one_by_one).then(|| {
+            let stencil = way == LightWay::Stencil;
             let target = Target {
-                name: "depth_test",
-                format: Format::D32Float,
-                holds: "reversed device depth, 0 is far",
-                used_bits: 32,
+                name: if stencil { "depth_stencil_test" } else { "depth_test" },
+                format: if stencil { depth_stencil } else { Format::D32Float },
+                holds: match stencil {
+                    true => "reversed device depth, 0 is far; stencil: surfaces in a light's volume",
+                    false => "reversed device depth, 0 is far",
+                },
+                used_bits: if stencil { depth_stencil.bits() } else { 32 },
                 clear: Some([0.0; 4]),
             };
-            vec![(add(&target, false, format!("{} triangles hide each other", needs.triangles)), Use::Depth)]
-        } else {
-            Vec::new()
-        };
+            let mut why = format!("{} triangles hide each other", needs.triangles);
+            if one_by_one {
+                why += "; a light's volume is tested against it";
+            }
+            add(&target, false, why)
+        });
+        let depth_uses = depth.map(|depth| (depth, Use::Depth));
 
         let lights = || {
             let Needs { directional_lights, point_lights, spot_lights, .. } = needs;
@@ -133,12 +146,13 @@ impl Frame {
             .iter()
             .map(|t| add(t, options.keep_gbuffer, format!("lighting reads it for lit surfaces ({lit})")))
             .collect();
-        let light_why = if needs.prelit.is_empty() {
-            "lighting and tonemap are kept apart on request".into()
-        } else {
-            needs.prelit.join(", ")
-        };
-        let folded = needs.prelit.is_empty() && options.fold;
+        let mut light_why = needs.prelit.clone();
+        light_why.extend(one_by_one.then(|| "lights are added one by one".into()));
+        if light_why.is_empty() {
+            light_why.push("lighting and tonemap are kept apart on request".into());
+        }
+        let light_why = light_why.join(", ");
+        let folded = needs.prelit.is_empty() && options.fold && !one_by_one;
         let light = (!folded).then(|| add(&table.light, options.keep_gbuffer, light_why));
 
         let written = surface.iter().chain(&light).map(|&r| (r, Use::Write));
@@ -150,7 +164,9 @@ impl Frame {
                 if needs.kinds.len() == 1 { "1 kind".into() } else { format!("{} kinds", needs.kinds.len()) }
             ),
         };
-        let read = surface.iter().map(|&r| (r, Use::Read));
+        let test = if way == LightWay::Stencil { Use::Stencil } else { Use::DepthTest };
+        let test = depth.filter(|_| one_by_one).map(|depth| (depth, test));
+        let read = surface.iter().map(|&r| (r, Use::Read)).chain(test);
         let lighting = Stage {
             name: "lighting",
             uses: match light {
@@ -158,8 +174,9 @@ impl Frame {
                 None => std::iter::once((Self::OUTPUT, Use::Write)).chain(read).collect(),
             },
             why: format!(
-                "{}{}",
+                "{}{}{}",
                 lights(),
+                if one_by_one { ", each where its volume is" } else { "" },
                 if folded { "; applies the tone curve too, since no light is summed before it" } else { "" }
             ),
         };

@@ -131,6 +131,8 @@ prop_compose! {
             for stage in start..stages {
                 let first = stage == start;
                 let how = match how[stage] % 4 {
+                    0 if is_depth && !first => Use::DepthTest,
+                    1 if is_depth && !first => Use::Stencil,
                     _ if is_depth => Use::Depth,
                     _ if first && !clear => Use::Write,
                     0 if !first => Use::Read,

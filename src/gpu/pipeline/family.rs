@@ -29,16 +29,18 @@ const FRAME: u32 = shared("BINDING_FRAME");
 const INSTANCES: u32 = shared("BINDING_INSTANCES");
 const LIGHTS: u32 = shared("BINDING_LIGHTS");
 const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
+const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 4] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 5] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
         (FRAME, T::UNIFORM_BUFFER, both),
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
-        (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (LIGHTS, T::STORAGE_BUFFER, both),
         (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
 
@@ -52,11 +54,13 @@ impl Family {
             Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
             Pipeline::Lighting if clusters => &[FRAME, LIGHTS, CLUSTERS],
             Pipeline::Lighting => &[FRAME, LIGHTS],
+            Pipeline::LightMask(_) | Pipeline::LightVolume(_) => &[FRAME, LIGHTS, VOLUMES],
             Pipeline::Tonemap => &[FRAME],
         };
         let second = match pipeline {
             Pipeline::Surface(kind) => SecondSet::Material { textures: kind.textures.count_ones() },
-            Pipeline::Lighting | Pipeline::Tonemap => {
+            Pipeline::LightMask(_) => SecondSet::Inputs { count: 0 },
+            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };

@@ -78,32 +78,31 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn build(&self, stage: usize, pipeline: &Pipeline, place: Place) -> Result<Owned<vk::Pipeline>> {
+    fn build(&self, index: usize, pipeline: &Pipeline, place: Place) -> Result<Owned<vk::Pipeline>> {
         let plan = self.plan;
         let (vertex, fragment, constants) = modules(plan, pipeline);
         let vertex = self.module(vertex)?;
-        let fragment = self.module(fragment)?;
+        let fragment = fragment.map(|module| self.module(module)).transpose()?;
         let entries: Vec<_> = constants.ids.iter().enumerate().map(|(i, &id)| map_entry(id, i)).collect();
         let special = vk::SpecializationInfo::default()
             .map_entries(&entries)
             .data(bytemuck::cast_slice(&constants.data));
-        let stages = [
+        let stage = |stage, module: &Owned<vk::ShaderModule>| {
             vk::PipelineShaderStageCreateInfo::default()
-                .stage(vk::ShaderStageFlags::VERTEX)
-                .module(vertex.raw())
-                .name(ENTRY),
-            vk::PipelineShaderStageCreateInfo::default()
-                .stage(vk::ShaderStageFlags::FRAGMENT)
-                .module(fragment.raw())
+                .stage(stage)
+                .module(module.raw())
                 .name(ENTRY)
-                .specialization_info(&special),
-        ];
+                .specialization_info(&special)
+        };
+        let vertex = stage(vk::ShaderStageFlags::VERTEX, &vertex);
+        let fragment = fragment.as_ref().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module));
+        let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
         let kind = match pipeline {
             Pipeline::Surface(kind) => Some(kind),
             _ => None,
         };
         let input = kind.map(VertexInput::new).transpose()?.unwrap_or_default();
-        let state = FixedState::new(plan.subpass(stage).2, kind);
+        let state = FixedState::new(plan.subpass(index).2, pipeline);
         self.create(&stages, &input, &state, place, &plan.pipeline_text(pipeline))
     }
 

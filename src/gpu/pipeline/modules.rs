@@ -1,12 +1,12 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
+    GeometryConstants, LightLoop, LightingConstants, Module, OutputConstants, Specialization, TextureSlot, shared,
 };
-use crate::plan::{Pipeline, Plan, SurfaceKind};
+use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
 
-/// Vertex and fragment shader of a pipeline, and what the latter is specialised with.
-pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Specialization) {
+/// Vertex and fragment shader of a pipeline, the latter where it has one, and what they are specialised with.
+pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
     let layout = plan.options.layout;
     let output = OutputConstants { tonemap: plan.options.tonemap, dither: plan.options.dither };
     let lighting = LightingConstants {
@@ -16,6 +16,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
         fold: plan.folded.then_some(output),
     };
     let clusters = plan.clusters.is_some();
+    let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
     match pipeline {
         Pipeline::Surface(kind) => {
             let textured = kind.textures != 0;
@@ -23,18 +24,35 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
             let vertex = vertex_module(kind);
             if plan.has_gbuffer() {
                 let light_target = plan.has_light_target();
-                (vertex, Module::GeometryFragment { layout, light_target, textured }, constants)
+                (vertex, Some(Module::GeometryFragment { layout, light_target, textured }), constants)
             } else if kind.unlit {
-                (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
+                (vertex, Some(Module::Unlit { textured }), constants.and(output.specialization()))
             } else {
-                (vertex, Module::Forward { textured, clusters }, constants.and(lighting.specialization()))
+                let module = Module::Forward { textured, clusters };
+                (vertex, Some(module), constants.and(lighting.specialization()))
             }
         }
         Pipeline::Lighting => {
-            (Module::Fullscreen, Module::Lighting { layout, clusters }, lighting.specialization())
+            let lights = if clusters { LightLoop::Cluster } else { LightLoop::All };
+            let lighting = if one_by_one { lighting.only_global() } else { lighting };
+            (Module::Fullscreen, Some(Module::Lighting { layout, lights }), lighting.specialization())
         }
-        Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
+        Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
+        Pipeline::LightVolume(shape) => {
+            let module = Module::Lighting { layout, lights: LightLoop::One };
+            let constants = lighting.only_local().specialization().and(shape_constant(*shape));
+            (Module::LightVolume, Some(module), constants)
+        }
+        Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), output.specialization()),
     }
+}
+
+fn shape_constant(shape: VolumeShape) -> Specialization {
+    Specialization::volume(match shape {
+        VolumeShape::Screen => const { shared("VOLUME_SCREEN") },
+        VolumeShape::Sphere => const { shared("VOLUME_SPHERE") },
+        VolumeShape::Cone => const { shared("VOLUME_CONE") },
+    })
 }
 
 fn vertex_module(kind: &SurfaceKind) -> Module {
