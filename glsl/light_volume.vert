@@ -15,9 +15,10 @@ layout(set = SET_FRAME, binding = BINDING_VOLUMES, std430) readonly buffer Volum
 layout(location = VARYING_LIGHT) flat out uint varying_light;
 
 out gl_PerVertex {
-    // Mask and light are to cover the same pixels.
-    invariant vec4 gl_Position;
+    vec4 gl_Position;
 };
+// Mask and light are to cover the same pixels.
+invariant gl_Position;
 
 // How much larger than the light a mesh is, as a share of its range, so that rounding opens no gap.
 const float ROOM = 0.002;

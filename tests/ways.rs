@@ -99,7 +99,7 @@ fn most_relative(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(relative).fold(0.0, f32::max)
 }
 
-const WAYS: [LightWay; 1] = [LightWay::Clusters];
+const WAYS: [LightWay; 3] = [LightWay::Clusters, LightWay::Volumes, LightWay::Stencil];
 
 #[test]
 fn ways_give_one_picture() {

@@ -4,7 +4,7 @@ use ash::vk;
 
 use super::{Device, Owned, conv};
 use crate::Result;
-use crate::plan::{Dependency, Load, Pass, Plan, Store, Subpass};
+use crate::plan::{Dependency, Pass, Plan, Subpass};
 
 /// Creates what the plan says, nothing more.
 ///
@@ -16,15 +16,13 @@ pub fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<O
         .iter()
         .map(|a| {
             let format = plan.attachments[a.attachment].format;
-            // Stencil goes the way of the depth beside it.
-            let stencil = if format.has_stencil() { (a.load, a.store) } else { (Load::DontCare, Store::DontCare) };
             vk::AttachmentDescription::default()
                 .format(conv::format(format))
                 .samples(vk::SampleCountFlags::TYPE_1)
                 .load_op(conv::load_op(a.load))
                 .store_op(conv::store_op(a.store))
-                .stencil_load_op(conv::load_op(stencil.0))
-                .stencil_store_op(conv::store_op(stencil.1))
+                .stencil_load_op(conv::load_op(a.stencil.0))
+                .stencil_store_op(conv::store_op(a.stencil.1))
                 .initial_layout(conv::layout(a.initial))
                 .final_layout(conv::layout(a.last))
         })

@@ -1,5 +1,6 @@
 //! The renderer: a plan made of Vulkan objects, and frames recorded with them.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use ash::vk;
@@ -12,7 +13,7 @@ use super::target::check_formats;
 use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
-use crate::plan::{Needs, Pipeline, Plan, State};
+use crate::plan::{Needs, Pipeline, Plan, State, VolumeShape};
 use crate::scene::{Light, Scene};
 use crate::{Error, Result};
 
@@ -320,36 +321,82 @@ impl Frame<'_> {
     }
 
     fn draw_stage(&mut self, stage: usize) {
-        let Renderer { plan, pipelines, scene, .. } = self.renderer;
+        let Renderer { plan, scene, .. } = self.renderer;
         let mut bound = BoundMesh::default();
         for (index, (_, pipeline)) in plan.pipelines.iter().enumerate().filter(|(_, (s, _))| *s == stage) {
-            let surfaces = matches!(pipeline, Pipeline::Surface(_));
-            if surfaces && scene.objects().batches_of(index).iter().all(|b| b.visible.is_empty()) {
-                continue;
-            }
-            let layout = pipelines.layout_of(index).layout.raw();
-            let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
-            // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
-            unsafe {
-                device.cmd_bind_pipeline(
-                    raw,
-                    vk::PipelineBindPoint::GRAPHICS,
-                    pipelines.pipelines[index].raw(),
-                );
-            }
-            self.recorded.state_changes += 1;
-            self.bind_set(layout, 0, scene.frame_set(self.slot, pipelines.families[index]));
             match pipeline {
-                Pipeline::Surface(_) => self.draw_surfaces(index, layout, &mut bound),
-                Pipeline::Lighting | Pipeline::Tonemap => {
-                    if let Some(inputs) = self.target.inputs(self.output, stage) {
-                        self.bind_set(layout, 1, inputs);
+                Pipeline::Surface(_) => {
+                    if scene.objects().batches_of(index).iter().any(|b| !b.visible.is_empty()) {
+                        let layout = self.bind_pipeline(index);
+                        self.draw_surfaces(index, layout, &mut bound);
                     }
-                    // SAFETY: the full-screen triangle reads no vertex buffer.
-                    unsafe { device.cmd_draw(raw, 3, 1, 0, 0) };
-                    self.recorded.draws += 1;
+                }
+                Pipeline::Lighting | Pipeline::Tonemap => {
+                    self.bind_with_inputs(stage, index);
+                    self.draw_generated(3, 0..1);
+                }
+                Pipeline::LightVolume(shape) => self.draw_volumes(stage, index, *shape),
+                // Drawn in turns with the pipeline that follows it.
+                Pipeline::LightMask(_) => {}
+            }
+        }
+    }
+
+    /// Draws the lights of a shape: all at once, or each after its mask.
+    fn draw_volumes(&mut self, stage: usize, pipeline: usize, shape: VolumeShape) {
+        let Renderer { plan, scene, .. } = self.renderer;
+        let vertices = match shape {
+            VolumeShape::Screen => 3,
+            VolumeShape::Sphere => 60,
+            VolumeShape::Cone => 48,
+        };
+        let lights = scene.light_volumes(shape);
+        let mask = pipeline.checked_sub(1).filter(|&p| plan.pipelines[p].1 == Pipeline::LightMask(shape));
+        match mask {
+            _ if lights.is_empty() => {}
+            None => {
+                self.bind_with_inputs(stage, pipeline);
+                self.draw_generated(vertices, lights);
+            }
+            Some(mask) => {
+                for light in lights {
+                    self.bind_pipeline(mask);
+                    self.draw_generated(vertices, light..light + 1);
+                    self.bind_with_inputs(stage, pipeline);
+                    self.draw_generated(vertices, light..light + 1);
                 }
             }
+        }
+    }
+
+    /// Draws without vertex buffers.
+    fn draw_generated(&mut self, vertices: u32, instances: Range<u32>) {
+        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+        // SAFETY: the bound pipeline makes its vertices from their indices.
+        unsafe { device.cmd_draw(raw, vertices, instances.len() as u32, 0, instances.start) };
+        self.recorded.draws += 1;
+    }
+
+    /// Binds a pipeline and the frame's buffers.
+    fn bind_pipeline(&mut self, index: usize) -> vk::PipelineLayout {
+        let Renderer { pipelines, scene, .. } = self.renderer;
+        let layout = pipelines.layout_of(index).layout.raw();
+        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+        // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
+        unsafe {
+            let point = vk::PipelineBindPoint::GRAPHICS;
+            device.cmd_bind_pipeline(raw, point, pipelines.pipelines[index].raw());
+        }
+        self.recorded.state_changes += 1;
+        self.bind_set(layout, 0, scene.frame_set(self.slot, pipelines.families[index]));
+        layout
+    }
+
+    /// As [`Self::bind_pipeline`], and the stage's input attachments.
+    fn bind_with_inputs(&mut self, stage: usize, index: usize) {
+        let layout = self.bind_pipeline(index);
+        if let Some(inputs) = self.target.inputs(self.output, stage) {
+            self.bind_set(layout, 1, inputs);
         }
     }
 

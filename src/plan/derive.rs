@@ -113,6 +113,7 @@ fn pass(
             attachment,
             load,
             store,
+            stencil: stencil(frame, first.resource, stages),
             initial: if load == Load::Load { before } else { State::Undefined },
             last: after,
         });
@@ -130,6 +131,18 @@ fn pass(
         subpasses,
         dependencies: dependencies.finish(),
     }
+}
+
+/// What becomes of a resource's stencil in a pass: it is cleared when it is first used, and forgotten after the last use.
+fn stencil(frame: &Frame, resource: usize, stages: &[usize]) -> (Load, Store) {
+    let uses = |s: &usize| frame.stages[*s].uses.contains(&(resource, Use::Stencil));
+    let all: Vec<_> = (0..frame.stages.len()).filter(uses).collect();
+    if !stages.iter().any(uses) {
+        return (Load::DontCare, Store::DontCare);
+    }
+    let load = if all.iter().any(|s| *s < stages[0]) { Load::Load } else { Load::Clear };
+    let used_later = all.iter().any(|s| *s > stages[stages.len() - 1]);
+    (load, if used_later { Store::Store } else { Store::DontCare })
 }
 
 fn subpass(

@@ -60,7 +60,11 @@ impl VolumeShape {
     pub fn of(reach: &Reach) -> Self {
         match *reach {
             Reach::Cone { cos, range_m, .. } if range_m.is_finite() => {
-                if cos >= Self::LEAST_CONE_COS { Self::Cone } else { Self::Sphere }
+                if cos >= Self::LEAST_CONE_COS {
+                    Self::Cone
+                } else {
+                    Self::Sphere
+                }
             }
             Reach::Sphere { .. } => Self::Sphere,
             Reach::Everywhere | Reach::Cone { .. } | Reach::Box { .. } => Self::Screen,
@@ -69,11 +73,8 @@ impl VolumeShape {
 
     /// Those that the scene's lights may come to have, as hosts change ranges and cones.
     fn needed(needs: &Needs) -> impl Iterator<Item = Self> {
-        let needed = [
-            needs.local_lights() > 0,
-            needs.point_lights + needs.spot_lights > 0,
-            needs.spot_lights > 0,
-        ];
+        let needed =
+            [needs.local_lights() > 0, needs.point_lights + needs.spot_lights > 0, needs.spot_lights > 0];
         Self::ALL.into_iter().zip(needed).filter(|(_, needed)| *needed).map(|(shape, _)| shape)
     }
 }
@@ -114,7 +115,10 @@ pub(super) struct Resolved {
 pub(super) fn resolve(needs: &Needs, options: &Options, path: Path) -> crate::Result<Resolved> {
     let (way, why) = match options.lights {
         LightWay::Auto => {
-            return Err(crate::Error::unsupported("the way of lights auto is not there yet", "choose another way"));
+            return Err(crate::Error::unsupported(
+                "the way of lights auto is not there yet",
+                "choose another way",
+            ));
         }
         LightWay::Fullscreen => (LightWay::Fullscreen, None),
         asked @ (LightWay::Volumes | LightWay::Stencil) if path != Path::Deferred => {

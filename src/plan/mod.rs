@@ -130,6 +130,8 @@ pub struct PassAttachment {
     pub load: Load,
     /// At the pass's end.
     pub store: Store,
+    /// The same for the stencil beside depth, if the format has one.
+    pub stencil: (Load, Store),
     /// State before the pass.
     pub initial: State,
     /// State after the pass.
@@ -347,7 +349,8 @@ fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) -> crate::R
 fn pipelines(frame: &stage::Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pipeline)> {
     let stage = |name| frame.stages.iter().position(|s| s.name == name);
     let surfaces = needs.kinds.iter().map(|n| (0, Pipeline::Surface(n.kind)));
-    let lighting = stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
+    let lighting =
+        stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
     surfaces.chain(lighting).chain(tonemap).collect()
 }

@@ -1,7 +1,8 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightLoop, LightingConstants, Module, OutputConstants, Specialization, TextureSlot, shared,
+    GeometryConstants, LightLoop, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
+    shared,
 };
 use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
 

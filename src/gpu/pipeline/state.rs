@@ -86,10 +86,7 @@ impl FixedState {
 }
 
 /// Depth is reversed: nearer is greater.
-fn depth_stencil(
-    subpass: &Subpass,
-    pipeline: &Pipeline,
-) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
+fn depth_stencil(subpass: &Subpass, pipeline: &Pipeline) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
     let test = vk::PipelineDepthStencilStateCreateInfo::default()
         .depth_test_enable(true)
         .depth_write_enable(subpass.depth_writes);
