@@ -276,7 +276,8 @@ fn fragments_read_what_vertices_write() {
         for (fragment, read) in &all {
             let (Module::GeometryFragment { textured, .. }
             | Module::Unlit { textured }
-            | Module::Forward { textured, .. }) = *fragment
+            | Module::Forward { textured, .. }
+            | Module::Mask { textured }) = *fragment
             else {
                 continue;
             };
@@ -288,8 +289,8 @@ fn fragments_read_what_vertices_write() {
             pairs += 1;
         }
     }
-    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 7 of each.
-    assert_eq!(pairs, 7 * (10 + 6));
+    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 8 of each.
+    assert_eq!(pairs, 8 * (10 + 6));
 }
 
 #[test]
@@ -316,7 +317,7 @@ fn specialization(module: Module) -> Specialization {
     match module {
         Module::GeometryVertex { .. } | Module::Fullscreen => Specialization::default(),
         Module::LightVolume => Specialization::volume(0),
-        Module::GeometryFragment { .. } => geometry,
+        Module::GeometryFragment { .. } | Module::Mask { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
         Module::Forward { .. } => {
             geometry.and(LightingConstants { fold: Some(output), ..Default::default() }.specialization())

@@ -61,9 +61,11 @@ vec3 listed_light(Surface surface, vec3 position, vec3 v) {
 
 // What a surface at `position` reflects of all lights towards `v`, both world space: cd/m^2.
 vec3 direct_light(Surface surface, vec3 position, vec3 v) {
+#ifdef CLUSTERS
     uint everywhere = HAS_DIRECTIONAL ? frame.light_counts.x : 0u;
-#ifndef CLUSTERS
-    everywhere = frame.light_counts.x + frame.light_counts.y + frame.light_counts.z;
+#else
+    uvec3 counts = frame.light_counts.xyz * uvec3(HAS_DIRECTIONAL, HAS_POINT, HAS_SPOT);
+    uint everywhere = counts.x + counts.y + counts.z;
 #endif
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < everywhere; ++i) {

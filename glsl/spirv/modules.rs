@@ -30,6 +30,8 @@ embed![
     "lighting_metallic128.frag",
     "lighting_metallic128_clusters.frag",
     "lighting_metallic128_one.frag",
+    "mask.frag",
+    "mask_textured.frag",
     "tonemap.frag",
     "unlit.frag",
     "unlit_textured.frag",

@@ -26,7 +26,6 @@ pub const fn layout(s: State) -> vk::ImageLayout {
         State::Undefined => vk::ImageLayout::UNDEFINED,
         State::Color => vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
         State::Depth => vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
-        State::DepthTest => vk::ImageLayout::DEPTH_STENCIL_READ_ONLY_OPTIMAL,
         State::Input | State::Sampled => vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
         State::CopySource => vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
         State::Present => vk::ImageLayout::PRESENT_SRC_KHR,

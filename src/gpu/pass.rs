@@ -51,10 +51,7 @@ impl References {
         let reference = |&i: &usize, layout| vk::AttachmentReference { attachment: i as u32, layout };
         let color = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
         let input = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
-        let depth = match subpass.depth_writes || subpass.stencil {
-            true => vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
-            false => vk::ImageLayout::DEPTH_STENCIL_READ_ONLY_OPTIMAL,
-        };
+        let depth = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
         Self {
             colors: subpass.colors.iter().map(|i| reference(i, color)).collect(),
             inputs: subpass.inputs.iter().map(|i| reference(i, input)).collect(),

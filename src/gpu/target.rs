@@ -142,9 +142,8 @@ impl OutputBuilder<'_> {
         let mut wanted = Vec::new();
         for (index, (stage, pipeline)) in self.plan.pipelines.iter().enumerate() {
             // A stage's pipelines that read inputs read the same ones.
-            if matches!(pipeline, Pipeline::Surface(_) | Pipeline::LightMask(_))
-                || set_of_stage[*stage].is_some()
-            {
+            let reads = !pipeline.is_of_surfaces() && !matches!(pipeline, Pipeline::LightMask(_));
+            if !reads || set_of_stage[*stage].is_some() {
                 continue;
             }
             let family = self.pipelines.layout_of(index);

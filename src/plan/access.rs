@@ -75,10 +75,8 @@ pub enum State {
     Undefined,
     /// Colour output.
     Color,
-    /// Depth test, and what it or the stencil writes.
+    /// Depth and stencil test.
     Depth,
-    /// Depth test that writes nothing.
-    DepthTest,
     /// Input attachment.
     Input,
     /// Source of copies.
@@ -94,8 +92,7 @@ impl State {
     pub const fn of(how: Use) -> Self {
         match how {
             Use::Write | Use::Blend => Self::Color,
-            Use::Depth | Use::Stencil => Self::Depth,
-            Use::DepthTest => Self::DepthTest,
+            Use::Depth | Use::DepthTest | Use::Stencil => Self::Depth,
             Use::Read => Self::Input,
         }
     }

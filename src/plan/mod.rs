@@ -33,6 +33,8 @@ pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
 pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Strategy, Tonemap};
 
+use std::collections::BTreeSet;
+
 use serde::Serialize;
 
 /// What a device allows, as far as a plan depends on it.
@@ -166,8 +168,8 @@ pub struct Subpass {
     pub inputs: Vec<usize>,
     /// Depth test.
     pub depth: Option<usize>,
-    /// Whether what passes the depth test writes its depth.
-    pub depth_writes: bool,
+    /// Whether it also writes depth.
+    pub depth_write: bool,
     /// Whether the stencil of the depth attachment is written and tested.
     pub stencil: bool,
     /// Not used here, but needed later.
@@ -202,6 +204,8 @@ pub enum Pipeline {
     /// Draws one kind of surface: into the G-buffer, or straight to the output where nothing is lit or all is lit at
     /// once (the path `forward`).
     Surface(SurfaceKind),
+    /// Draws the depth of surfaces, as [`SurfaceKind::depth`] sorts them.
+    Depth(SurfaceKind),
     /// Shades the G-buffer by all lights, or, where those with a place are added one by one, by the others.
     Lighting,
     /// Marks in the stencil what is in a light's volume; for lights of one shape, each before it is added.
@@ -210,6 +214,22 @@ pub enum Pipeline {
     LightVolume(VolumeShape),
     /// Applies the tone curve.
     Tonemap,
+}
+
+impl Pipeline {
+    /// Whether it draws surfaces, not all pixels.
+    pub fn is_of_surfaces(&self) -> bool {
+        matches!(self, Self::Surface(_) | Self::Depth(_))
+    }
+
+    /// Whether it draws surfaces of this kind.
+    pub fn draws(&self, kind: &SurfaceKind) -> bool {
+        match self {
+            Self::Surface(own) => own == kind,
+            Self::Depth(own) => *own == kind.depth(),
+            Self::Lighting | Self::LightMask(_) | Self::LightVolume(_) | Self::Tonemap => false,
+        }
+    }
 }
 
 /// Everything that a frame creates and does.
@@ -348,11 +368,15 @@ fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) -> crate::R
 
 fn pipelines(frame: &stage::Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pipeline)> {
     let stage = |name| frame.stages.iter().position(|s| s.name == name);
-    let surfaces = needs.kinds.iter().map(|n| (0, Pipeline::Surface(n.kind)));
+    let depths: BTreeSet<_> = needs.kinds.iter().map(|n| n.kind.depth()).collect();
+    let depths =
+        stage("depth").into_iter().flat_map(|s| depths.iter().map(move |&k| (s, Pipeline::Depth(k))));
+    let surface = stage("geometry").or(stage("forward")).unwrap_or(0);
+    let surfaces = needs.kinds.iter().map(|n| (surface, Pipeline::Surface(n.kind)));
     let lighting =
         stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
-    surfaces.chain(lighting).chain(tonemap).collect()
+    depths.chain(surfaces).chain(lighting).chain(tonemap).collect()
 }
 
 fn notes(
@@ -363,6 +387,9 @@ fn notes(
     folded: bool,
 ) -> Vec<String> {
     let mut notes = Vec::new();
+    if options.depth_prepass && needs.triangles <= 1 {
+        notes.push("no triangle hides another: no depth test, so no depth pre-pass".into());
+    }
     if needs.lit.is_none() {
         notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());
     } else if path == Path::Forward {

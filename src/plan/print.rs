@@ -89,9 +89,11 @@ impl Plan {
                 writeln!(f, "      reads   {}", list(&s.inputs))?;
             }
             let blend = if s.blend { " (added)" } else { "" };
-            writeln!(f, "      writes  {}{blend}", list(&s.colors))?;
+            if !s.colors.is_empty() {
+                writeln!(f, "      writes  {}{blend}", list(&s.colors))?;
+            }
             if let Some(depth) = s.depth {
-                let writes = match (s.depth_writes, s.stencil) {
+                let writes = match (s.depth_write, s.stencil) {
                     (true, _) => "",
                     (false, true) => " (writes stencil only)",
                     (false, false) => " (writes nothing)",

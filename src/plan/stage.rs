@@ -28,9 +28,9 @@ pub enum Use {
     Blend,
     /// Depth test and write.
     Depth,
-    /// Depth test.
+    /// Depth test against what earlier stages wrote.
     DepthTest,
-    /// Depth test; the stencil is written and tested.
+    /// The same, and the stencil is written and tested.
     Stencil,
     /// Input attachment: this pixel of an earlier stage's output.
     Read,
@@ -44,7 +44,7 @@ impl Use {
 
     /// Whether content changes.
     pub const fn writes(self) -> bool {
-        !matches!(self, Self::Read | Self::DepthTest)
+        !matches!(self, Self::DepthTest | Self::Read)
     }
 }
 
@@ -96,6 +96,8 @@ impl Frame {
             });
             resources.len() - 1
         };
+        let mut stages = Vec::new();
+        let mut depth_uses = Vec::new();
         let one_by_one = matches!(way, LightWay::Volumes | LightWay::Stencil);
         let depth = (needs.triangles > 1 || one_by_one).then(|| {
             let stencil = way == LightWay::Stencil;
@@ -115,7 +117,15 @@ impl Frame {
             }
             add(&target, false, why)
         });
-        let depth_uses = depth.map(|depth| (depth, Use::Depth));
+        if let Some(depth) = depth {
+            if options.depth_prepass {
+                let why = "what is nearest is found first, so that no pixel is shaded twice".into();
+                stages.push(Stage { name: "depth", uses: vec![(depth, Use::Depth)], why });
+                depth_uses.push((depth, Use::DepthTest));
+            } else {
+                depth_uses.push((depth, Use::Depth));
+            }
+        }
 
         let lights = || {
             let Needs { directional_lights, point_lights, spot_lights, .. } = needs;
@@ -136,7 +146,8 @@ impl Frame {
                         ("forward", format!("{}; surfaces are lit and tone-mapped as drawn", lights()))
                     }
                 };
-                return Self { resources, stages: vec![Stage { name, uses, why }], folded: true };
+                stages.push(Stage { name, uses, why });
+                return Self { resources, stages, folded: true };
             }
         };
 
@@ -185,7 +196,8 @@ impl Frame {
             uses: vec![(Self::OUTPUT, Use::Write), (light, Use::Read)],
             why: "light from several stages was summed".into(),
         });
-        Self { resources, stages: [geometry, lighting].into_iter().chain(tonemap).collect(), folded }
+        stages.extend([geometry, lighting].into_iter().chain(tonemap));
+        Self { resources, stages, folded }
     }
 
     /// First and last stage that uses the resource; a kept resource lives to the last stage.

@@ -26,6 +26,8 @@ pub(super) struct Pipelines {
     pub(super) pipelines: Vec<Owned<vk::Pipeline>>,
     /// Likewise.
     pub(super) families: Vec<Family>,
+    /// By stage and pipeline: which pipeline of the stage draws what that pipeline of surfaces draws.
+    drawn_by: Vec<Vec<Option<usize>>>,
     pub(super) layouts: BTreeMap<Family, FamilyLayout>,
 }
 
@@ -33,6 +35,11 @@ impl Pipelines {
     /// The layout of the n-th pipeline's descriptor sets.
     pub(super) fn layout_of(&self, pipeline: usize) -> &FamilyLayout {
         &self.layouts[&self.families[pipeline]]
+    }
+
+    /// The pipeline that draws, in this stage, the surfaces of a [`Pipeline::Surface`].
+    pub(super) fn drawing(&self, stage: usize, surface: usize) -> Option<usize> {
+        self.drawn_by[stage][surface]
     }
 
     pub(super) fn new(
@@ -61,8 +68,18 @@ impl Pipelines {
                 builder.build(*stage, pipeline, place)
             })
             .collect::<Result<_>>()?;
-        Ok(Self { pipelines, families, layouts })
+        let drawn_by = (0..plan.stage_count()).map(|stage| drawn_by(plan, stage)).collect();
+        Ok(Self { pipelines, families, drawn_by, layouts })
     }
+}
+
+fn drawn_by(plan: &Plan, stage: usize) -> Vec<Option<usize>> {
+    let of = |(_, pipeline): &(usize, Pipeline)| {
+        let Pipeline::Surface(kind) = pipeline else { return None };
+        let draws = |(s, p): &(usize, Pipeline)| *s == stage && p.draws(kind);
+        plan.pipelines.iter().position(draws)
+    };
+    plan.pipelines.iter().map(of).collect()
 }
 
 struct Place {
@@ -97,11 +114,11 @@ impl Builder<'_> {
         let vertex = stage(vk::ShaderStageFlags::VERTEX, &vertex);
         let fragment = fragment.as_ref().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module));
         let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
-        let kind = match pipeline {
-            Pipeline::Surface(kind) => Some(kind),
-            _ => None,
+        let input = match pipeline {
+            Pipeline::Surface(kind) => VertexInput::new(kind)?,
+            Pipeline::Depth(kind) => VertexInput::of_depth(kind)?,
+            _ => VertexInput::default(),
         };
-        let input = kind.map(VertexInput::new).transpose()?.unwrap_or_default();
         let state = FixedState::new(plan.subpass(index).2, pipeline);
         self.create(&stages, &input, &state, place, &plan.pipeline_text(pipeline))
     }

@@ -6,7 +6,8 @@ use super::super::shader::{
 };
 use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
 
-/// Vertex and fragment shader of a pipeline, the latter where it has one, and what they are specialised with.
+/// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
+/// are specialised with.
 pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
     let layout = plan.options.layout;
     let output = OutputConstants { tonemap: plan.options.tonemap, dither: plan.options.dither };
@@ -18,34 +19,46 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
     };
     let clusters = plan.clusters.is_some();
     let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
-    match pipeline {
+    let (vertex, fragment, constants) = match pipeline {
+        Pipeline::Depth(kind) => {
+            let textured = kind.textures != 0;
+            let vertex = Module::GeometryVertex {
+                normal: false,
+                texcoord: textured,
+                tangent: false,
+                color: kind.vertex_color,
+            };
+            let mask = kind.alpha_mask.then_some(Module::Mask { textured });
+            return (vertex, mask, surface_constants(kind).specialization());
+        }
         Pipeline::Surface(kind) => {
             let textured = kind.textures != 0;
             let constants = surface_constants(kind).specialization();
             let vertex = vertex_module(kind);
             if plan.has_gbuffer() {
                 let light_target = plan.has_light_target();
-                (vertex, Some(Module::GeometryFragment { layout, light_target, textured }), constants)
+                (vertex, Module::GeometryFragment { layout, light_target, textured }, constants)
             } else if kind.unlit {
-                (vertex, Some(Module::Unlit { textured }), constants.and(output.specialization()))
+                (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
                 let module = Module::Forward { textured, clusters };
-                (vertex, Some(module), constants.and(lighting.specialization()))
+                (vertex, module, constants.and(lighting.specialization()))
             }
         }
         Pipeline::Lighting => {
             let lights = if clusters { LightLoop::Cluster } else { LightLoop::All };
             let lighting = if one_by_one { lighting.only_global() } else { lighting };
-            (Module::Fullscreen, Some(Module::Lighting { layout, lights }), lighting.specialization())
+            (Module::Fullscreen, Module::Lighting { layout, lights }, lighting.specialization())
         }
-        Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
+        Pipeline::LightMask(shape) => return (Module::LightVolume, None, shape_constant(*shape)),
         Pipeline::LightVolume(shape) => {
             let module = Module::Lighting { layout, lights: LightLoop::One };
             let constants = lighting.only_local().specialization().and(shape_constant(*shape));
-            (Module::LightVolume, Some(module), constants)
+            (Module::LightVolume, module, constants)
         }
-        Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), output.specialization()),
-    }
+        Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
+    };
+    (vertex, Some(fragment), constants)
 }
 
 fn shape_constant(shape: VolumeShape) -> Specialization {

@@ -17,8 +17,22 @@ pub(super) struct VertexInput {
 
 impl VertexInput {
     pub(super) fn new(kind: &SurfaceKind) -> Result<Self> {
+        Self::of(kind, |_| true)
+    }
+
+    /// What depth and masks need; the rest may be bound and is not read.
+    pub(super) fn of_depth(kind: &SurfaceKind) -> Result<Self> {
+        Self::of(kind, |stream| match stream {
+            StreamKind::Position => true,
+            StreamKind::Texcoords | StreamKind::Color => kind.alpha_mask,
+            StreamKind::Normal | StreamKind::Tangent => false,
+        })
+    }
+
+    fn of(kind: &SurfaceKind, wanted: impl Fn(StreamKind) -> bool) -> Result<Self> {
         let mut input = Self::default();
-        for (binding, (stream, format)) in (0..).zip(vertex_streams(kind).list()) {
+        let streams = (0..).zip(vertex_streams(kind).list());
+        for (binding, (stream, format)) in streams.filter(|(_, (stream, _))| wanted(*stream)) {
             let location = match stream {
                 StreamKind::Position => const { shared("ATTRIBUTE_POSITION") },
                 StreamKind::Normal => const { shared("ATTRIBUTE_NORMAL") },
@@ -50,14 +64,14 @@ pub(super) struct FixedState {
 impl FixedState {
     pub(super) fn new(subpass: &Subpass, pipeline: &Pipeline) -> Self {
         let cull = match pipeline {
-            Pipeline::Surface(kind) if !kind.double_sided => vk::CullModeFlags::BACK,
+            Pipeline::Surface(kind) | Pipeline::Depth(kind) if !kind.double_sided => vk::CullModeFlags::BACK,
             // The far side of a volume is there wherever the camera is, and covers each pixel once.
             Pipeline::LightVolume(shape) if *shape != VolumeShape::Screen => vk::CullModeFlags::FRONT,
             _ => vk::CullModeFlags::NONE,
         };
         // Clip space has y down, so triangles that are counter-clockwise in the world stay so on the image.
         let front = match pipeline {
-            Pipeline::Surface(kind) if kind.mirrored => vk::FrontFace::CLOCKWISE,
+            Pipeline::Surface(kind) | Pipeline::Depth(kind) if kind.mirrored => vk::FrontFace::CLOCKWISE,
             _ => vk::FrontFace::COUNTER_CLOCKWISE,
         };
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
@@ -89,10 +103,14 @@ impl FixedState {
 fn depth_stencil(subpass: &Subpass, pipeline: &Pipeline) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
     let test = vk::PipelineDepthStencilStateCreateInfo::default()
         .depth_test_enable(true)
-        .depth_write_enable(subpass.depth_writes);
+        .depth_write_enable(subpass.depth_write);
     let every = vk::StencilOpState::default().compare_mask(0xff).write_mask(0xff);
     match pipeline {
-        Pipeline::Surface(_) => test.depth_compare_op(vk::CompareOp::GREATER),
+        // Surfaces whose depth is there already pass where they are what was found nearest.
+        Pipeline::Surface(_) | Pipeline::Depth(_) => test.depth_compare_op(match subpass.depth_write {
+            true => vk::CompareOp::GREATER,
+            false => vk::CompareOp::EQUAL,
+        }),
         // A surface in front of the volume has both of its sides behind it, one behind the volume none, and one within
         // it the far side only: it alone is left with a count that is not 0, whatever side is counted first. Without a
         // near plane's end it holds too: what the near plane cuts off would have been in front of all surfaces.
