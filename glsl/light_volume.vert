@@ -64,6 +64,17 @@ vec3 pyramid(uint vertex) {
     return vec3(vec2(cos(angle), sin(angle)) / cos(PI / float(PYRAMID_SIDES)), 1.0);
 }
 
+// The cube from -1 to 1: two triangles for each of six sides.
+vec3 cube(uint vertex) {
+    const vec2 corners[6] = vec2[](
+        vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, -1), vec2(1, 1), vec2(-1, 1));
+    uint side = vertex / 6u;
+    float outwards = side < 3u ? 1.0 : -1.0;
+    vec2 corner = corners[vertex % 6u];
+    vec3 across = vec3(outwards, corner.x * outwards, corner.y);
+    return side % 3u == 0u ? across.xyz : side % 3u == 1u ? across.zxy : across.yzx;
+}
+
 // The size of a pixel in the world at a place, metres.
 float pixel_size(vec3 place) {
     float distance = max(dot(place - frame.camera_position_world.xyz, frame.forward_world.xyz), 0.0);
@@ -71,10 +82,14 @@ float pixel_size(vec3 place) {
     return 2.0 * length(frame.down_world.xyz) * frame.inverse_size.y * grows;
 }
 
+// How much further out than a light its mesh is, metres.
+float room(Light light, float extent) {
+    return ROOM * extent + ROOM_PIXELS * pixel_size(light.position_world + frame.forward_world.xyz * extent);
+}
+
 vec3 sphere_position_world(Light light, uint vertex) {
     float range = 1.0 / light.inverse_range;
-    float radius = range * (1.0 + ROOM) + ROOM_PIXELS * pixel_size(light.position_world + frame.forward_world.xyz * range);
-    return light.position_world + icosahedron(vertex) * (radius * ICOSAHEDRON_RADIUS);
+    return light.position_world + icosahedron(vertex) * ((range + room(light, range)) * ICOSAHEDRON_RADIUS);
 }
 
 vec3 cone_position_world(Light light, uint vertex) {
@@ -83,26 +98,36 @@ vec3 cone_position_world(Light light, uint vertex) {
     // KHR_lights_punctual's offset is -cos(outer) * scale.
     float cosine = clamp(-light.spot_offset / light.spot_scale, 0.0, 1.0);
     float sine = sqrt(max(1.0 - cosine * cosine, 1e-6));
-    float room = ROOM * range + ROOM_PIXELS * pixel_size(light.position_world + frame.forward_world.xyz * range);
-    // Drawn back along its axis, the cone's mantle moves outwards by `room`.
-    float back = room / sine;
-    float length = back + range + room;
-    vec3 across = unit(abs(axis.y) < 0.5 ? cross(axis, vec3(0.0, 1.0, 0.0)) : cross(axis, vec3(1.0, 0.0, 0.0)));
+    // Drawn back along its axis, the cone's mantle moves outwards.
+    float back = room(light, range) / sine;
+    float length = back + range + room(light, range);
+    vec3 right = unit(cross(axis, abs(axis.y) < 0.5 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0)));
     vec3 corner = pyramid(vertex) * vec3(vec2(length * sine / cosine), length);
-    return light.position_world - axis * back + across * corner.x + cross(axis, across) * corner.y + axis * corner.z;
+    return light.position_world + mat3(right, cross(axis, right), axis) * corner - axis * back;
+}
+
+vec3 box_position_world(Light light, uint vertex) {
+    vec3 half_size = light.half_size + room(light, length(light.half_size));
+    vec3 right = cross(light.direction_world, light.up_world);
+    return light.position_world + mat3(right, light.up_world, -light.direction_world) * (cube(vertex) * half_size);
 }
 
 void main() {
     uint index = volumes[gl_InstanceIndex];
     varying_light = index;
     uint vertex = uint(gl_VertexIndex);
+    vec3 position;
     if (VOLUME_SHAPE == VOLUME_SCREEN) {
         // As fullscreen.vert.
         vec2 corner = vec2(vertex & 1u, vertex >> 1);
         gl_Position = vec4(corner * 4.0 - 1.0, 0.0, 1.0);
         return;
+    } else if (VOLUME_SHAPE == VOLUME_SPHERE) {
+        position = sphere_position_world(lights[index], vertex);
+    } else if (VOLUME_SHAPE == VOLUME_CONE) {
+        position = cone_position_world(lights[index], vertex);
+    } else {
+        position = box_position_world(lights[index], vertex);
     }
-    vec3 position = VOLUME_SHAPE == VOLUME_SPHERE ? sphere_position_world(lights[index], vertex)
-                                                  : cone_position_world(lights[index], vertex);
     gl_Position = frame.clip_from_world * vec4(position, 1.0);
 }

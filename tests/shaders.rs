@@ -145,6 +145,7 @@ fn blocks() -> [Block; 5] {
                 light_scale,
                 ambient_nt,
                 light_counts,
+                hemispheres,
             }
         ),
         block!("Instance" = InstanceData { world_from_object_rows }),
@@ -167,6 +168,12 @@ fn blocks() -> [Block; 5] {
                 spot_scale,
                 direction_world,
                 spot_offset,
+                up_world,
+                falloff,
+                back_intensity,
+                padding_0,
+                half_size,
+                padding_1,
             }
         ),
         block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),

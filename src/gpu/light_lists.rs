@@ -123,7 +123,10 @@ fn shape_in(camera: &Camera, reach: &Reach) -> VolumeShape {
         Reach::Sphere { center_world, radius_m } => (center_world, radius_m),
         // A cone of at most 60 degrees, whose mesh is twice as long from the apex to the rim, or a sphere.
         Reach::Cone { apex_world, range_m, .. } => (apex_world, 2.0 * range_m),
-        Reach::Everywhere | Reach::Box { .. } => return VolumeShape::Screen,
+        Reach::Box { center_world, half_axes_world } => {
+            (center_world, half_axes_world.iter().map(|axis| axis.length()).sum())
+        }
+        Reach::Everywhere => return VolumeShape::Screen,
     };
     let from_eye = place - camera.world_from_view.w_axis.truncate();
     let distance = from_eye.dot(-camera.world_from_view.z_axis.truncate());

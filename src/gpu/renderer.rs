@@ -345,6 +345,7 @@ impl Frame<'_> {
             VolumeShape::Screen => 3,
             VolumeShape::Sphere => 60,
             VolumeShape::Cone => 48,
+            VolumeShape::Box => 36,
         };
         let lights = scene.light_volumes(shape);
         let mask = pipeline.checked_sub(1).filter(|&p| plan.pipelines[p].1 == Pipeline::LightMask(shape));

@@ -47,11 +47,13 @@ pub enum VolumeShape {
     Sphere,
     /// A pyramid around a cone.
     Cone,
+    /// A box.
+    Box,
 }
 
 impl VolumeShape {
     /// Every shape, in the order in which they are drawn.
-    pub const ALL: [Self; 3] = [Self::Screen, Self::Sphere, Self::Cone];
+    pub const ALL: [Self; 4] = [Self::Screen, Self::Sphere, Self::Cone, Self::Box];
 
     /// Cones wider than this are taken as spheres, which hold less: half angles of more than 60 degrees.
     const LEAST_CONE_COS: f32 = 0.5;
@@ -67,14 +69,19 @@ impl VolumeShape {
                 }
             }
             Reach::Sphere { .. } => Self::Sphere,
-            Reach::Everywhere | Reach::Cone { .. } | Reach::Box { .. } => Self::Screen,
+            Reach::Box { .. } => Self::Box,
+            Reach::Everywhere | Reach::Cone { .. } => Self::Screen,
         }
     }
 
     /// Those that the scene's lights may come to have, as hosts change ranges and cones.
     fn needed(needs: &Needs) -> impl Iterator<Item = Self> {
-        let needed =
-            [needs.local_lights() > 0, needs.point_lights + needs.spot_lights > 0, needs.spot_lights > 0];
+        let needed = [
+            needs.local_lights() > 0,
+            needs.point_lights + needs.spot_lights > 0,
+            needs.spot_lights > 0,
+            needs.box_lights > 0,
+        ];
         Self::ALL.into_iter().zip(needed).filter(|(_, needed)| *needed).map(|(shape, _)| shape)
     }
 }
@@ -85,6 +92,7 @@ impl std::fmt::Display for VolumeShape {
             Self::Screen => "whole image (no end, or cut by the far plane)",
             Self::Sphere => "icosahedron around its sphere",
             Self::Cone => "pyramid around its cone",
+            Self::Box => "box",
         })
     }
 }

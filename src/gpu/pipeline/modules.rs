@@ -15,6 +15,9 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         has_directional: plan.needs.directional_lights > 0,
         has_point: plan.needs.point_lights > 0,
         has_spot: plan.needs.spot_lights > 0,
+        has_box: plan.needs.box_lights > 0,
+        has_hemisphere: plan.needs.hemisphere_lights > 0,
+        has_back: plan.needs.back_colors > 0,
         fold: plan.folded.then_some(output),
     };
     let clusters = plan.clusters.is_some();
@@ -66,6 +69,7 @@ fn shape_constant(shape: VolumeShape) -> Specialization {
         VolumeShape::Screen => const { shared("VOLUME_SCREEN") },
         VolumeShape::Sphere => const { shared("VOLUME_SPHERE") },
         VolumeShape::Cone => const { shared("VOLUME_CONE") },
+        VolumeShape::Box => const { shared("VOLUME_BOX") },
     })
 }
 

@@ -112,6 +112,12 @@ pub struct LightingConstants {
     pub has_point: bool,
     /// The scene has spot lights.
     pub has_spot: bool,
+    /// The scene has box lights.
+    pub has_box: bool,
+    /// The scene has hemisphere lights.
+    pub has_hemisphere: bool,
+    /// Some directional or box light has a back colour.
+    pub has_back: bool,
     /// Lighting writes the output itself, like this; `None` adds to the light target.
     pub fold: Option<OutputConstants>,
 }
@@ -119,12 +125,12 @@ pub struct LightingConstants {
 impl LightingConstants {
     /// For lights that shine everywhere alone.
     pub fn only_global(self) -> Self {
-        Self { has_point: false, has_spot: false, ..self }
+        Self { has_point: false, has_spot: false, has_box: false, ..self }
     }
 
     /// For lights that have a place alone.
     pub fn only_local(self) -> Self {
-        Self { has_directional: false, ..self }
+        Self { has_directional: false, has_hemisphere: false, ..self }
     }
 
     /// As ids and values.
@@ -133,6 +139,9 @@ impl LightingConstants {
             (const { shared("ID_HAS_DIRECTIONAL") }, self.has_directional.into()),
             (const { shared("ID_HAS_POINT") }, self.has_point.into()),
             (const { shared("ID_HAS_SPOT") }, self.has_spot.into()),
+            (const { shared("ID_HAS_BOX") }, self.has_box.into()),
+            (const { shared("ID_HAS_HEMISPHERE") }, self.has_hemisphere.into()),
+            (const { shared("ID_HAS_BACK") }, self.has_back.into()),
             (const { shared("ID_FOLD") }, self.fold.is_some().into()),
         ]);
         match self.fold {
