@@ -11,7 +11,7 @@ use super::shared::{FrameUniforms, InstanceData, LightData};
 use super::{Buffer, BufferDesc, Device, MemoryUse, View};
 use crate::Result;
 use crate::plan::Plan;
-use crate::visible::Frustum;
+use crate::visible::Sight;
 
 /// A frame slot's buffers, large enough for all of the scene.
 pub(super) struct FrameData {
@@ -70,11 +70,13 @@ impl FrameData {
     ) -> Seen {
         let Everything { objects, lights, light_lists, ambient_nt } = scene;
         let mut uniforms = view.uniforms(plan, size, ambient_nt);
-        let frustum = cull.then(|| Frustum::new(&glam::Mat4::from_cols_array_2d(&uniforms.clip_from_world)));
+        let clip_from_world = glam::Mat4::from_cols_array_2d(&uniforms.clip_from_world);
+        let sight = Sight::new(&clip_from_world, view.camera.world_from_view.w_axis.truncate());
+        let frustum = cull.then_some(&sight.frustum);
         let instances = self.instances.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
-        let seen_objects = objects.write_visible(frustum.as_ref(), instances.unwrap_or_default());
+        let seen_objects = objects.write_visible(&sight, cull, instances.unwrap_or_default());
         let light_list = bytemuck::cast_slice_mut(self.lights.mapped_mut());
-        let counts = lights.write_visible(frustum.as_ref(), light_list, light_lists.reaches_mut());
+        let counts = lights.write_visible(frustum, light_list, light_lists.reaches_mut());
         let [directional, point, spot, boxes, _hemispheres] = counts;
         uniforms.light_counts = [directional, point, spot, boxes];
         self.uniforms.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));

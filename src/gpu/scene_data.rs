@@ -245,7 +245,8 @@ pub(super) struct BoundMesh {
     index_width: Option<super::IndexWidth>,
 }
 
-fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
+/// The kind of surface that a pipeline draws.
+pub(super) fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
     match &plan.pipelines[pipeline].1 {
         Pipeline::Surface(kind) => kind,
         other => unreachable!("batches are made for surfaces, not for {other:?}"),
