@@ -10,7 +10,7 @@ use super::objects::Objects;
 use super::shared::{FrameUniforms, InstanceData, LightData};
 use super::{Buffer, BufferDesc, Device, MemoryUse, View};
 use crate::Result;
-use crate::plan::Plan;
+use crate::plan::{Plan, Seen};
 use crate::visible::Sight;
 
 /// A frame slot's buffers, large enough for all of the scene.
@@ -23,11 +23,11 @@ pub(super) struct FrameData {
     pub(super) clusters: Option<Buffer>,
 }
 
-/// How much of a scene a view saw.
+/// How much of a scene was written for a frame.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Seen {
-    pub(super) objects: usize,
-    pub(super) lights: usize,
+pub(super) struct Written {
+    pub(super) objects: Seen,
+    pub(super) lights: Seen,
     /// The time that listing the lights took.
     pub(super) light_lists: Duration,
 }
@@ -67,7 +67,7 @@ impl FrameData {
         size: [u32; 2],
         scene: Everything<'_>,
         cull: bool,
-    ) -> Seen {
+    ) -> Written {
         let Everything { objects, lights, light_lists, ambient_nt } = scene;
         let mut uniforms = view.uniforms(plan, size, ambient_nt);
         let clip_from_world = glam::Mat4::from_cols_array_2d(&uniforms.clip_from_world);
@@ -85,9 +85,9 @@ impl FrameData {
             let local = directional..directional + point + spot;
             light_lists.write(view.camera, size, local, clusters.mapped_mut());
         }
-        Seen {
-            objects: seen_objects,
-            lights: counts.iter().sum::<u32>() as usize,
+        Written {
+            objects: Seen::of(seen_objects, objects.count()),
+            lights: Seen::of(counts.iter().sum::<u32>() as usize, lights.lit()),
             light_lists: start.elapsed(),
         }
     }

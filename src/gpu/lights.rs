@@ -58,6 +58,11 @@ impl Lights {
         self.order.len()
     }
 
+    /// How many are not dark.
+    pub(super) fn lit(&self) -> usize {
+        self.placed.iter().filter(|l| l.reach.is_some()).count()
+    }
+
     /// Changes an element of `Scene::lights`.
     pub(super) fn set(&mut self, index: usize, light: &Light) -> Result<()> {
         let lights = self.placed.len();

@@ -9,6 +9,7 @@
 
 mod access;
 mod budget;
+mod counts;
 mod derive;
 mod format;
 mod layout;
@@ -23,6 +24,7 @@ mod tests;
 
 pub use access::{Access, Scope, State};
 pub use budget::{Verdict, verdicts};
+pub use counts::{FrameCounts, Seen, StateChanges};
 pub use format::Format;
 pub use layout::{LayoutTable, Target};
 pub use ledger::{
