@@ -8,7 +8,7 @@ use common::scenes;
 use ontile::glam::{Mat4, Vec3};
 use ontile::gpu::{Commands, Image, ImageDesc, OutputImage, Readback, Renderer, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::{Layout, Load, Options, OutputFormat, Pipeline, Plan, Seen, Strategy, Tonemap};
+use ontile::plan::{Layout, Load, Options, OutputFormat, Plan, Seen, Strategy, Tonemap};
 use ontile::scene::{Camera, Projection, Scene};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -18,12 +18,14 @@ const SIZE: [u32; 2] = [160, 90];
 type Variant = (&'static str, fn(Options) -> Options);
 
 /// All of them, against the default: one pass, recycled attachments, nothing kept.
-const VARIANTS: [Variant; 6] = [
+const VARIANTS: [Variant; 8] = [
     ("separate", |o| Options { strategy: Strategy::Separate, ..o }),
     ("not recycled", |o| Options { recycle: false, ..o }),
     ("output not an input attachment", |o| Options { output_is_input_attachment: false, ..o }),
     ("G-buffer kept", |o| Options { keep_gbuffer: true, ..o }),
     ("separate, not recycled", |o| Options { strategy: Strategy::Separate, recycle: false, ..o }),
+    ("depth pre-pass", |o| Options { depth_prepass: true, ..o }),
+    ("separate, depth pre-pass", |o| Options { strategy: Strategy::Separate, depth_prepass: true, ..o }),
     ("separate, G-buffer kept", |o| Options { strategy: Strategy::Separate, keep_gbuffer: true, ..o }),
 ];
 
@@ -107,8 +109,7 @@ fn culling_does_not_change_the_pixels() {
         let (mut objects, mut lights) = ([0, 0], [0, 0]);
         for scene in scenes::shipped().into_iter().chain(scenes::built()) {
             let plan = gpu.plan(&scene, Options { size: SIZE, layout: Layout::Exact, ..Options::default() });
-            let screens =
-                plan.pipelines.iter().filter(|(_, p)| !matches!(p, Pipeline::Surface(_))).count() as u64;
+            let screens = plan.pipelines.iter().filter(|(_, p)| !p.is_of_surfaces()).count() as u64;
             let make = |cull| {
                 gpu.offscreen(&scene, plan.clone(), RendererConfig { cull, ..RendererConfig::default() })
             };

@@ -144,6 +144,7 @@ fn blocks() -> [Block; 5] {
                 light_scale,
                 ambient_nt,
                 light_counts,
+                hemispheres,
             }
         ),
         block!("Instance" = InstanceData { world_from_object_rows }),
@@ -166,6 +167,12 @@ fn blocks() -> [Block; 5] {
                 spot_scale,
                 direction_world,
                 spot_offset,
+                up_world,
+                falloff,
+                back_intensity,
+                padding_0,
+                half_size,
+                padding_1,
             }
         ),
         block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
@@ -274,7 +281,8 @@ fn fragments_read_what_vertices_write() {
         for (fragment, read) in &all {
             let (Module::GeometryFragment { textured, .. }
             | Module::Unlit { textured }
-            | Module::Forward { textured, .. }) = *fragment
+            | Module::Forward { textured, .. }
+            | Module::Mask { textured }) = *fragment
             else {
                 continue;
             };
@@ -286,8 +294,8 @@ fn fragments_read_what_vertices_write() {
             pairs += 1;
         }
     }
-    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 7 of each.
-    assert_eq!(pairs, 7 * (10 + 6));
+    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 8 of each.
+    assert_eq!(pairs, 8 * (10 + 6));
 }
 
 #[test]
@@ -313,7 +321,7 @@ fn specialization(module: Module) -> Specialization {
     let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false };
     match module {
         Module::GeometryVertex { .. } | Module::Fullscreen => Specialization::default(),
-        Module::GeometryFragment { .. } => geometry,
+        Module::GeometryFragment { .. } | Module::Mask { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
         Module::Forward { .. } => {
             geometry.and(LightingConstants { fold: Some(output), ..Default::default() }.specialization())

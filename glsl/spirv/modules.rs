@@ -27,6 +27,8 @@ embed![
     "lighting_exact_clusters.frag",
     "lighting_metallic128.frag",
     "lighting_metallic128_clusters.frag",
+    "mask.frag",
+    "mask_textured.frag",
     "tonemap.frag",
     "unlit.frag",
     "unlit_textured.frag",

@@ -14,7 +14,7 @@ use glam::{Mat4, Vec4};
 /// Objects of one mesh that one draw call draws.
 #[derive(Clone, Debug)]
 pub(super) struct Batch {
-    /// Index into `Plan::pipelines`.
+    /// Index into `Plan::pipelines`: the `Pipeline::Surface` of its kind.
     pub(super) pipeline: usize,
     /// Index into `Scene::materials`.
     pub(super) material: usize,

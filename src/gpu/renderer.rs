@@ -12,7 +12,7 @@ use super::target::check_formats;
 use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
-use crate::plan::{FrameCounts, Needs, Pipeline, Plan, State};
+use crate::plan::{FrameCounts, Needs, Plan, State};
 use crate::scene::{Light, Scene};
 use crate::{Error, Result};
 
@@ -311,8 +311,8 @@ impl Frame<'_> {
     fn draw_stage(&mut self, stage: usize) {
         self.draw_surfaces(stage);
         let plan = &self.renderer.plan;
-        let pixels = |pipeline: &Pipeline| !matches!(pipeline, Pipeline::Surface(_));
-        let of_stage = plan.pipelines.iter().enumerate().filter(|(_, (s, p))| *s == stage && pixels(p));
+        let of_stage =
+            plan.pipelines.iter().enumerate().filter(|(_, (s, p))| *s == stage && !p.is_of_surfaces());
         for (index, _) in of_stage {
             let layout = self.bind_pipeline(index);
             if let Some(inputs) = self.target.inputs(self.output, stage) {
@@ -327,19 +327,20 @@ impl Frame<'_> {
 
     /// Draws what the view sees of all surfaces that the stage draws.
     fn draw_surfaces(&mut self, stage: usize) {
-        let Renderer { plan, scene, .. } = self.renderer;
+        let Renderer { pipelines, scene, .. } = self.renderer;
         let mut bound_mesh = BoundMesh::default();
         let (mut bound_pipeline, mut bound_material) = (None, None);
-        for batch in scene.objects().visible_batches().filter(|b| plan.pipelines[b.pipeline].0 == stage) {
+        for batch in scene.objects().visible_batches() {
+            let Some(index) = pipelines.drawing(stage, batch.pipeline) else { continue };
             let layout = match bound_pipeline {
-                Some((index, layout)) if index == batch.pipeline => layout,
+                Some((bound, layout)) if bound == index => layout,
                 _ => {
                     bound_material = None;
-                    self.bind_pipeline(batch.pipeline)
+                    self.bind_pipeline(index)
                 }
             };
-            bound_pipeline = Some((batch.pipeline, layout));
-            if bound_material != Some(batch.material_set) {
+            bound_pipeline = Some((index, layout));
+            if pipelines.families[index].has_material() && bound_material != Some(batch.material_set) {
                 self.bind_set(layout, 1, scene.material_set(batch.material_set));
                 bound_material = Some(batch.material_set);
             }

@@ -99,6 +99,11 @@ pub enum Module {
         /// Whether each pixel looks at the lights of its cluster, not at all.
         clusters: bool,
     },
+    /// Keeps nothing of a surface but what its alpha mask leaves.
+    Mask {
+        /// Whether the material has any texture.
+        textured: bool,
+    },
     /// Shades the G-buffer by punctual lights.
     Lighting {
         /// How the G-buffer is laid out.
@@ -133,6 +138,7 @@ impl Module {
         for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
             all.push(Self::Forward { textured, clusters });
         }
+        all.extend([false, true].map(|textured| Self::Mask { textured }));
         all.extend([Self::Tonemap, Self::Fullscreen]);
         all
     }
@@ -157,6 +163,7 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
+            Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
             Self::Forward { textured, clusters } => {
                 let clusters = suffix(clusters, "_clusters");
                 format!("forward{clusters}{}.frag", suffix(textured, "_textured"))
@@ -176,6 +183,7 @@ impl Module {
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
             Self::Forward { .. } => "forward.frag",
+            Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
@@ -189,6 +197,7 @@ impl Module {
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
+            | Self::Mask { .. }
             | Self::Lighting { .. }
             | Self::Tonemap => Stage::Fragment,
         }
@@ -215,7 +224,7 @@ impl Module {
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
             ]),
-            Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
             Self::Forward { textured, clusters } => chosen(&[(textured, "TEXTURED"), (clusters, "CLUSTERS")]),
             Self::Lighting { layout, clusters } => {
                 chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])

@@ -15,7 +15,7 @@ pub struct FrameCounts {
     pub state_changes: StateChanges,
     /// Instances that have triangles.
     pub objects: Seen,
-    /// Lights that are not dark.
+    /// Lights that are not dark; hemispheres, which light everything, aside.
     pub lights: Seen,
 }
 

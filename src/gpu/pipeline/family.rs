@@ -23,6 +23,8 @@ pub(in crate::gpu) enum SecondSet {
     Material { textures: u32 },
     /// `SET_INPUTS`: this many input attachments.
     Inputs { count: u32 },
+    /// There is none.
+    Nothing,
 }
 
 const FRAME: u32 = shared("BINDING_FRAME");
@@ -47,6 +49,7 @@ impl Family {
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
         let clusters = plan.clusters.is_some();
         let frame: &[u32] = match pipeline {
+            Pipeline::Depth(_) => &[FRAME, INSTANCES],
             Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => &[FRAME, INSTANCES],
             Pipeline::Surface(_) if clusters => &[FRAME, INSTANCES, LIGHTS, CLUSTERS],
             Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
@@ -55,12 +58,20 @@ impl Family {
             Pipeline::Tonemap => &[FRAME],
         };
         let second = match pipeline {
-            Pipeline::Surface(kind) => SecondSet::Material { textures: kind.textures.count_ones() },
+            Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
+            Pipeline::Surface(kind) | Pipeline::Depth(kind) => {
+                SecondSet::Material { textures: kind.textures.count_ones() }
+            }
             Pipeline::Lighting | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
         Self { frame: frame.iter().fold(0, |bits, binding| bits | 1 << binding), second }
+    }
+
+    /// Whether the second set is a material's.
+    pub(in crate::gpu) fn has_material(self) -> bool {
+        matches!(self.second, SecondSet::Material { .. })
     }
 
     /// The bindings of `SET_FRAME`, and of the second set.
@@ -75,6 +86,7 @@ impl Family {
                     (textures > 0).then_some((images, T::COMBINED_IMAGE_SAMPLER, textures, S::FRAGMENT));
                 std::iter::once(numbers).chain(images).collect()
             }
+            SecondSet::Nothing => Vec::new(),
             SecondSet::Inputs { count } => {
                 (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT)).collect()
             }
