@@ -72,7 +72,8 @@ impl RenderArgs {
 /// Renders, writes the picture, then the report, and tells what a frame consists of.
 pub fn run(args: &RenderArgs) -> Result<()> {
     let report = run_with(args, || {
-        let scene = scene::load(&args.scene)?;
+        let mut scene = scene::load(&args.scene)?;
+        scene::prefilter(&mut scene, args.plan.environment_format);
         render(args, &scene)
     })?;
     report.device.map_or(Ok(()), |device| print::value(&device.frame, false))

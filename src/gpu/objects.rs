@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::convert;
 use super::scene_data::{surface, vertex_streams};
 use super::shared::InstanceData;
-use crate::plan::{Pipeline, Plan, SurfaceKind};
+use crate::plan::{Around, Pipeline, Plan, SurfaceKind};
 use crate::scene::{Aabb, Instance, Scene};
 use crate::visible::{Distances, DrawOrder, Sight, sort_key, sorted_index};
 use crate::{Error, Result};
@@ -67,7 +67,7 @@ impl Objects {
     /// Sorts by state, so that it changes seldom and equal meshes become one draw. What a mask cuts comes after what is
     /// whole: it hides nothing before its shader has run.
     pub(super) fn new(scene: &Scene, plan: &Plan) -> Self {
-        let ambient = scene.ambient_nt != glam::Vec3::ZERO;
+        let around = Around::of(scene);
         let mut order: Vec<_> = scene
             .instances
             .iter()
@@ -76,7 +76,7 @@ impl Objects {
             .map(|(index, instance)| {
                 let mesh = &scene.meshes[instance.mesh];
                 let kind =
-                    SurfaceKind::new(mesh, &scene.materials[mesh.material], instance.is_mirrored(), ambient);
+                    SurfaceKind::new(mesh, &scene.materials[mesh.material], instance.is_mirrored(), around);
                 let wanted = Pipeline::Surface(kind);
                 let pipeline = plan.pipelines.iter().position(|(_, p)| *p == wanted);
                 let pipeline = pipeline.expect("the plan was made for this scene");
