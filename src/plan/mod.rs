@@ -10,6 +10,7 @@
 mod access;
 mod around;
 mod budget;
+mod counts;
 mod derive;
 mod format;
 mod layout;
@@ -25,6 +26,7 @@ mod tests;
 pub use access::{Access, Scope, State};
 pub use around::{Around, AroundImage, EnvironmentNeed};
 pub use budget::{Verdict, verdicts};
+pub use counts::{FrameCounts, Seen, StateChanges};
 pub use format::Format;
 pub use layout::{LayoutTable, Target};
 pub use ledger::{
