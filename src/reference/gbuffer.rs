@@ -48,8 +48,7 @@ pub(super) fn interpolate<'a>(visibility: &Visibility<'a>, hit: &Hit) -> Interpo
     let scene = visibility.scene;
     let mesh = &scene.meshes[scene.instances[triangle.instance as usize].mesh];
     let normal_world = if mesh.normals.is_empty() {
-        // As the front side sees it, whichever way the instance winds it.
-        visibility.plane_normal(hit) * if placement.mirrored { -1.0 } else { 1.0 }
+        visibility.front_normal(hit)
     } else {
         weighted(hit, |k| {
             let normal = mesh.normals[triangle.vertices[k] as usize].as_dvec3();
@@ -78,6 +77,30 @@ pub(super) fn alpha(visibility: &Visibility, hit: &Hit) -> f64 {
 fn base_color(visibility: &Visibility, hit: &Hit, surface: &Interpolated) -> DVec4 {
     let texture = slot(visibility, hit, surface.mesh, &surface.material.base_color_texture, Encoding::Srgb);
     surface.material.base_color_factor.as_dvec4() * texture * surface.color
+}
+
+/// The part of arriving light that the surface reflects in all, to whichever directions: 0 where it is unlit.
+pub(super) fn diffuse_albedo(visibility: &Visibility, hit: &Hit) -> DVec3 {
+    let surface = interpolate(visibility, hit);
+    if surface.material.unlit {
+        return DVec3::ZERO;
+    }
+    // glTF allows vertex colours above 1, which no surface reflects.
+    base_color(visibility, hit, &surface).truncate().clamp(DVec3::ZERO, DVec3::ONE)
+}
+
+/// Radiance in cd/m² that the surface sends whatever arrives: emission, or an unlit material's base colour.
+pub(super) fn own_light(visibility: &Visibility, hit: &Hit) -> DVec3 {
+    let surface = interpolate(visibility, hit);
+    if surface.material.unlit {
+        return base_color(visibility, hit, &surface).truncate();
+    }
+    emission(visibility, hit, &surface)
+}
+
+fn emission(visibility: &Visibility, hit: &Hit, surface: &Interpolated) -> DVec3 {
+    let texel = slot(visibility, hit, surface.mesh, &surface.material.emissive_texture, Encoding::Srgb);
+    surface.material.emissive_factor.as_dvec3() * texel.truncate()
 }
 
 /// A texture slot's value at the hit; 1 in every channel for an empty slot.
@@ -141,8 +164,7 @@ pub fn attributes(visibility: &Visibility, view: &View, position_world: DVec3, h
         metallic: f64::from(material.metallic_factor) * metallic_roughness.z,
         prelit: DVec3::ZERO,
     };
-    let emission =
-        material.emissive_factor.as_dvec3() * texel(&material.emissive_texture, Encoding::Srgb).truncate();
+    let emission = emission(visibility, hit, &surface);
     // glTF 2.0 section 3.9.3: 1 + strength * (sample - 1).
     let occlusion = texel(&material.occlusion_texture, Encoding::Linear).x;
     let occlusion = 1.0 + f64::from(material.occlusion_strength) * (occlusion - 1.0);

@@ -22,6 +22,7 @@ pub mod brdf;
 mod bvh;
 pub mod frame;
 pub mod gbuffer;
+pub mod path;
 pub mod punctual;
 pub mod quantise;
 pub mod shade;

@@ -1,0 +1,197 @@
+//! Diffuse light by path tracing: what lightmaps are baked from.
+//!
+//! The irradiance of a point is estimated with the rendering equation for surfaces that scatter alike in all
+//! directions (Kajiya, "The Rendering Equation", SIGGRAPH 1986; radiosity form: Goral et al., SIGGRAPH 1984). With
+//! E(x) the irradiance, a the albedo, Le emitted radiance, and y(x, w) the first surface that x sees along w:
+//!
+//! ```text
+//! E(x) = sum over lights of V n.l El(x)  +  integral of (Le(y) + a(y) E(y) / pi) n.w dw
+//! ```
+//!
+//! One sample follows one path. Directions are drawn by the cosine, density n.w / pi, so every vertex weighs its
+//! light by the product of the albedos before it and nothing else. At each vertex all lights are asked, with a shadow
+//! ray each (next event estimation), and one point is drawn on the surfaces that send light of their own. Such surfaces are found
+//! by directions too; the two ways are weighed by the balance heuristic (Veach and Guibas, "Optimally Combining
+//! Sampling Techniques", SIGGRAPH 1995, section 3.2). Where a path meets nothing it takes the light from far away.
+//! Paths end after a fixed number of bounces, so light that was reflected more often than that is missing, and nothing
+//! else is: with albedo a and b bounces at most the share a^(b+1).
+//!
+//! How surfaces take part:
+//! - what they reflect in all is their base colour, whether dielectric or metal, and goes to all directions alike;
+//! - emissive surfaces send their emission, unlit ones their base colour: the radiance that a picture shows;
+//! - sides that are never drawn (backs of single-sided materials) stop light, and send and reflect none;
+//! - places that an alpha mask cuts out let light through.
+
+mod emitters;
+mod sampling;
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::gbuffer::{diffuse_albedo, own_light};
+use super::punctual::incident;
+use super::view::Ray;
+use super::visibility::{Hit, Visibility};
+use crate::scene::{Light, LightKind, Scene};
+use emitters::Emitters;
+pub use sampling::Random;
+use sampling::{cosine_direction, fraction, quasi_random};
+
+/// Rays start this far from the surface, as a share of the largest coordinate: far above the rounding of f64, far
+/// below anything that is modelled.
+const OFFSET: f64 = 1e-7;
+
+/// A scene, ready for paths.
+pub struct Paths<'a> {
+    visibility: Visibility<'a>,
+    lights: Vec<&'a Light>,
+    emitters: Emitters,
+    bounces: u32,
+}
+
+/// A point of a surface that receives light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Receiver {
+    /// World space, metres.
+    pub position_world: DVec3,
+    /// World space, unit length: irradiance is that of a plane with this normal.
+    pub normal_world: DVec3,
+    /// World space, unit length: of the triangle, on the side that receives. Rays start on this side.
+    pub plane_normal_world: DVec3,
+}
+
+/// What one path brings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// An estimate of the irradiance, in lux.
+    pub irradiance: DVec3,
+    /// Whether the path's first ray meets a side that is never drawn: the receiver may be inside something.
+    pub is_enclosed: bool,
+}
+
+impl<'a> Paths<'a> {
+    /// All of the scene's surfaces, lit by `lights`, by what surfaces send themselves, and from far away. After
+    /// `bounces` reflections light is not followed; 0 gives direct light.
+    ///
+    /// # Panics
+    /// If an index within the scene is out of range.
+    pub fn new(scene: &'a Scene, lights: Vec<&'a Light>, bounces: u32) -> Self {
+        let visibility = Visibility::new(scene);
+        let emitters = Emitters::new(&visibility);
+        Self { visibility, lights, emitters, bounces }
+    }
+
+    /// The scene's triangles.
+    pub fn visibility(&self) -> &Visibility<'a> {
+        &self.visibility
+    }
+
+    /// Irradiance in lux: the mean of `samples` paths. The same seed gives the same result.
+    pub fn irradiance(&self, receiver: &Receiver, samples: u32, seed: u64) -> DVec3 {
+        let mut random = Random::new(seed);
+        let start = [random.next(), random.next()];
+        let sum: DVec3 =
+            (0..samples).map(|i| self.sample(receiver, quasi_random(i, start), &mut random).irradiance).sum();
+        sum / f64::from(samples.max(1))
+    }
+
+    /// One path. `first` in \[0, 1) decides its first direction, `random` everything else.
+    pub fn sample(&self, receiver: &Receiver, first: [f64; 2], random: &mut Random) -> Sample {
+        let mut at = *receiver;
+        let mut throughput = DVec3::ONE;
+        let mut irradiance = self.direct(&at, random);
+        let mut direction = cosine_direction(at.normal_world, first);
+        let mut is_enclosed = false;
+        for bounce in 0.. {
+            let ray = ray_from(&at, direction, f64::INFINITY);
+            let Some(hit) = self.visibility.trace_solid(&ray) else {
+                irradiance += throughput * PI * self.far_light();
+                break;
+            };
+            if !self.visibility.is_drawn(&hit) {
+                is_enclosed = bounce == 0;
+                break;
+            }
+            let own = own_light(&self.visibility, &hit);
+            if own != DVec3::ZERO {
+                let by_cosine = at.normal_world.dot(direction).max(0.0) / PI;
+                let by_area = self.emitters.density(&self.visibility, &hit, direction, hit.distance);
+                irradiance += throughput * PI * own * fraction(by_cosine, by_area);
+            }
+            if bounce == self.bounces {
+                break;
+            }
+            throughput *= diffuse_albedo(&self.visibility, &hit);
+            if throughput == DVec3::ZERO {
+                break;
+            }
+            at = self.receiver(&ray, &hit);
+            irradiance += throughput * self.direct(&at, random);
+            direction = cosine_direction(at.normal_world, [random.next(), random.next()]);
+        }
+        Sample { irradiance, is_enclosed }
+    }
+
+    /// Irradiance in lux from the lights, and from one point of the surfaces that send light (its share by the balance
+    /// heuristic).
+    fn direct(&self, at: &Receiver, random: &mut Random) -> DVec3 {
+        let lights: DVec3 = self.lights.iter().map(|light| self.from_light(light, at)).sum();
+        let Some(point) = self.emitters.draw(&self.visibility, random) else { return lights };
+        let way = point.position_world - at.position_world;
+        let (distance, direction) = (way.length(), way.normalize_or_zero());
+        let cosine = at.normal_world.dot(direction);
+        let by_area = self.emitters.density(&self.visibility, &point.hit, direction, distance);
+        if cosine <= 0.0 || !by_area.is_finite() || by_area <= 0.0 {
+            return lights;
+        }
+        // The ray starts off the surface: it ends as far before the point.
+        let ray = ray_from(at, direction, distance);
+        let end = (point.position_world - ray.origin).length() * (1.0 - OFFSET) - offset(at.position_world);
+        if self.visibility.is_blocked(&Ray { range: [0.0, end], ..ray }) {
+            return lights;
+        }
+        lights + own_light(&self.visibility, &point.hit) * (cosine / (by_area + cosine / PI))
+    }
+
+    fn from_light(&self, light: &Light, at: &Receiver) -> DVec3 {
+        let arriving = incident(light, at.position_world);
+        let cosine = at.normal_world.dot(arriving.to_light);
+        if cosine <= 0.0 || arriving.illuminance == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        let distance = match light.kind {
+            LightKind::Directional { .. } => f64::INFINITY,
+            _ => (light.position_world.as_dvec3() - at.position_world).length(),
+        };
+        if self.visibility.is_blocked(&ray_from(at, arriving.to_light, distance)) {
+            return DVec3::ZERO;
+        }
+        arriving.illuminance * cosine
+    }
+
+    /// Radiance in cd/m² where a ray meets nothing.
+    fn far_light(&self) -> DVec3 {
+        self.visibility.scene.ambient_nt.as_dvec3()
+    }
+
+    /// The hit surface's point, on the side that the ray comes from; flat, as its triangle is.
+    fn receiver(&self, ray: &Ray, hit: &Hit) -> Receiver {
+        let plane_normal = self.visibility.plane_normal(hit);
+        let normal = if plane_normal.dot(ray.direction) > 0.0 { -plane_normal } else { plane_normal };
+        Receiver { position_world: ray.at(hit.distance), normal_world: normal, plane_normal_world: normal }
+    }
+}
+
+fn offset(position: DVec3) -> f64 {
+    position.abs().max_element().max(1e-3) * OFFSET
+}
+
+/// A ray whose parameter is metres, from the receiver's side of its triangle.
+fn ray_from(at: &Receiver, direction: DVec3, distance: f64) -> Ray {
+    let origin = at.position_world + at.plane_normal_world * offset(at.position_world);
+    Ray { origin, direction, range: [0.0, distance] }
+}
+
+#[cfg(test)]
+mod tests;
