@@ -7,7 +7,7 @@ use std::str::FromStr;
 use clap::Args;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use ontile::picture::FileFormat;
-use ontile::plan::{Layout, Options, OutputFormat, Strategy, Tonemap};
+use ontile::plan::{Layout, LightWay, Options, OutputFormat, Path, Strategy, Tonemap};
 
 /// What is looked at.
 #[derive(Args, Debug)]
@@ -39,6 +39,12 @@ pub struct PlanArgs {
     /// The G-buffer's layout
     #[arg(long, value_name = "NAME", default_value_t = Layout::Metallic128, value_parser = named(Layout::ALL, Layout::name))]
     pub layout: Layout,
+    /// When surfaces are lit: after all are known, or as each is drawn
+    #[arg(long, default_value_t = Path::Deferred, value_parser = named(Path::ALL, Path::name))]
+    pub path: Path,
+    /// How lights reach pixels
+    #[arg(long, value_name = "WAY", default_value_t = LightWay::Fullscreen, value_parser = named(LightWay::ALL, LightWay::name))]
+    pub lights: LightWay,
     /// The curve from scene light to display light; linear is none
     #[arg(long, default_value_t = Tonemap::Neutral, value_parser = named(Tonemap::ALL, Tonemap::name))]
     pub tonemap: Tonemap,
@@ -63,6 +69,8 @@ impl PlanArgs {
             size: self.size.0,
             strategy: self.strategy,
             layout: self.layout,
+            path: self.path,
+            lights: self.lights,
             tonemap: self.tonemap,
             output,
             recycle: !self.no_recycle,

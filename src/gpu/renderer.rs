@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::pass::create_render_pass;
-use super::pipeline::{Family, Pipelines};
+use super::pipeline::Pipelines;
 use super::scene_data::{BoundMesh, SceneData};
 use super::target::check_formats;
 use super::{
@@ -282,8 +282,7 @@ impl Frame<'_> {
         let Renderer { plan, pipelines, scene, .. } = self.renderer;
         let mut bound = BoundMesh::default();
         for (index, (_, pipeline)) in plan.pipelines.iter().enumerate().filter(|(_, (s, _))| *s == stage) {
-            let family = Family::of(pipeline);
-            let layout = pipelines.layouts[&family].layout.raw();
+            let layout = pipelines.layout_of(index).layout.raw();
             let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
             // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
             unsafe {
@@ -294,7 +293,7 @@ impl Frame<'_> {
                 );
             }
             self.recorded.state_changes += 1;
-            self.bind_set(layout, 0, scene.frame_set(self.slot, family));
+            self.bind_set(layout, 0, scene.frame_set(self.slot, pipelines.families[index]));
             match pipeline {
                 Pipeline::Surface(_) => self.draw_surfaces(index, layout, &mut bound),
                 Pipeline::Lighting | Pipeline::Tonemap => {

@@ -216,7 +216,7 @@ impl SceneData {
         let wanted: Vec<_> = keys
             .iter()
             .map(|(pipeline, _)| {
-                let layout = &pipelines.layouts[&Family::of(&plan.pipelines[*pipeline].1)];
+                let layout = pipelines.layout_of(*pipeline);
                 (layout.sets[1].raw(), layout.bindings[1].as_slice())
             })
             .collect();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::descriptor::{Content, DescriptorSets};
-use super::pipeline::{Family, Pipelines};
+use super::pipeline::Pipelines;
 use super::{Device, Image, ImageDesc, Owned, conv};
 use crate::plan::{Load, Pipeline, Plan, check_size};
 use crate::{Error, Result};
@@ -140,11 +140,11 @@ impl OutputBuilder<'_> {
     ) -> Result<(Option<DescriptorSets>, Vec<Option<usize>>)> {
         let mut set_of_stage = vec![None; self.plan.stage_count()];
         let mut wanted = Vec::new();
-        for (stage, pipeline) in &self.plan.pipelines {
+        for (index, (stage, pipeline)) in self.plan.pipelines.iter().enumerate() {
             if matches!(pipeline, Pipeline::Surface(_)) {
                 continue;
             }
-            let family = &self.pipelines.layouts[&Family::of(pipeline)];
+            let family = self.pipelines.layout_of(index);
             set_of_stage[*stage] = Some(wanted.len());
             wanted.push((family.sets[1].raw(), family.bindings[1].as_slice()));
         }

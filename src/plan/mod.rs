@@ -28,7 +28,7 @@ pub use ledger::{
     AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
 };
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
-pub use options::{Layout, Options, OutputFormat, OutputUse, Strategy, Tonemap};
+pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Strategy, Tonemap};
 
 use serde::Serialize;
 
@@ -218,6 +218,7 @@ impl Plan {
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
         check_size(options.size, limits)?;
         check_dither(&options)?;
+        check_ways(&options)?;
         let frame = stage::Frame::new(&needs, &options);
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options);
@@ -268,6 +269,22 @@ fn check_dither(options: &Options) -> crate::Result<()> {
                 options.output
             ),
             "render to a PNG (an 8-bit output), or leave dither out",
+        ));
+    }
+    Ok(())
+}
+
+fn check_ways(options: &Options) -> crate::Result<()> {
+    if options.path != Path::Deferred {
+        return Err(crate::Error::unsupported(
+            format!("the path {} is not there yet", options.path),
+            "choose the path deferred",
+        ));
+    }
+    if options.lights != LightWay::Fullscreen {
+        return Err(crate::Error::unsupported(
+            format!("the way of lights {} is not there yet", options.lights),
+            "choose the way fullscreen",
         ));
     }
     Ok(())

@@ -63,6 +63,36 @@ named_enum! {
 }
 
 named_enum! {
+    /// When surfaces are lit.
+    Path {
+        /// After all surfaces are known: each pixel once, from the G-buffer.
+        Deferred = "deferred",
+        /// As each surface is drawn, all lights at once.
+        Forward = "forward",
+        /// The surface without lights, then again for each light that reaches it, added up.
+        ForwardMultipass = "forward-multipass",
+        /// Whichever is cheaper by the measurements in README.
+        Auto = "auto",
+    }
+}
+
+named_enum! {
+    /// How lights reach pixels.
+    LightWay {
+        /// Every pixel looks at every light.
+        Fullscreen = "fullscreen",
+        /// A mesh around each light is drawn, and covers the pixels that it may light.
+        Volumes = "volumes",
+        /// Volumes that first mark in the stencil which surfaces are inside.
+        Stencil = "stencil",
+        /// Each pixel looks at the lights of its cluster of the view volume.
+        Clusters = "clusters",
+        /// Whichever is cheapest by the measurements in README.
+        Auto = "auto",
+    }
+}
+
+named_enum! {
     /// From scene-referred to display-referred light.
     Tonemap {
         /// Khronos PBR Neutral.
@@ -120,6 +150,10 @@ pub struct Options {
     pub strategy: Strategy,
     /// G-buffer layout.
     pub layout: Layout,
+    /// When surfaces are lit.
+    pub path: Path,
+    /// How lights reach pixels.
+    pub lights: LightWay,
     /// Tone curve.
     pub tonemap: Tonemap,
     /// The final image's format.
@@ -145,6 +179,8 @@ impl Default for Options {
             size: [1280, 720],
             strategy: Strategy::Subpasses,
             layout: Layout::Metallic128,
+            path: Path::Deferred,
+            lights: LightWay::Fullscreen,
             tonemap: Tonemap::Neutral,
             output: OutputFormat::Rgba8Srgb,
             output_use: OutputUse::Copy,

@@ -1,0 +1,164 @@
+//! Pipelines and their layouts, exactly those that the plan lists.
+
+mod family;
+mod modules;
+mod state;
+
+use std::collections::BTreeMap;
+use std::ffi::CStr;
+
+use ash::vk;
+
+pub(super) use family::{Family, FamilyLayout};
+use modules::modules;
+use state::{FixedState, VertexInput};
+
+use super::shader::Module;
+use super::{Called, Device, Owned, PipelineCache};
+use crate::Result;
+use crate::plan::{Pipeline, Plan};
+
+const ENTRY: &CStr = c"main";
+
+/// Everything that a frame binds.
+pub(super) struct Pipelines {
+    /// In the order of `Plan::pipelines`.
+    pub(super) pipelines: Vec<Owned<vk::Pipeline>>,
+    /// Likewise.
+    pub(super) families: Vec<Family>,
+    pub(super) layouts: BTreeMap<Family, FamilyLayout>,
+}
+
+impl Pipelines {
+    /// The layout of the n-th pipeline's descriptor sets.
+    pub(super) fn layout_of(&self, pipeline: usize) -> &FamilyLayout {
+        &self.layouts[&self.families[pipeline]]
+    }
+
+    pub(super) fn new(
+        device: &Device,
+        plan: &Plan,
+        passes: &[Owned<vk::RenderPass>],
+        cache: &PipelineCache,
+    ) -> Result<Self> {
+        let families: Vec<_> =
+            plan.pipelines.iter().map(|(stage, pipeline)| Family::of(plan, *stage, pipeline)).collect();
+        let mut layouts = BTreeMap::new();
+        for &family in &families {
+            if let std::collections::btree_map::Entry::Vacant(entry) = layouts.entry(family) {
+                entry.insert(FamilyLayout::new(device, family)?);
+            }
+        }
+        let builder = Builder { device, plan, cache };
+        let pipelines = plan
+            .pipelines
+            .iter()
+            .zip(&families)
+            .map(|((stage, pipeline), family)| {
+                let (pass, subpass, _) = plan.subpass(*stage);
+                let layout = layouts[family].layout.raw();
+                let place = Place { pass: passes[pass].raw(), subpass: subpass as u32, layout };
+                builder.build(*stage, pipeline, place)
+            })
+            .collect::<Result<_>>()?;
+        Ok(Self { pipelines, families, layouts })
+    }
+}
+
+struct Place {
+    pass: vk::RenderPass,
+    subpass: u32,
+    layout: vk::PipelineLayout,
+}
+
+struct Builder<'a> {
+    device: &'a Device,
+    plan: &'a Plan,
+    cache: &'a PipelineCache,
+}
+
+impl Builder<'_> {
+    fn build(&self, stage: usize, pipeline: &Pipeline, place: Place) -> Result<Owned<vk::Pipeline>> {
+        let plan = self.plan;
+        let (vertex, fragment, constants) = modules(plan, pipeline);
+        let vertex = self.module(vertex)?;
+        let fragment = self.module(fragment)?;
+        let entries: Vec<_> = constants.ids.iter().enumerate().map(|(i, &id)| map_entry(id, i)).collect();
+        let special = vk::SpecializationInfo::default()
+            .map_entries(&entries)
+            .data(bytemuck::cast_slice(&constants.data));
+        let stages = [
+            vk::PipelineShaderStageCreateInfo::default()
+                .stage(vk::ShaderStageFlags::VERTEX)
+                .module(vertex.raw())
+                .name(ENTRY),
+            vk::PipelineShaderStageCreateInfo::default()
+                .stage(vk::ShaderStageFlags::FRAGMENT)
+                .module(fragment.raw())
+                .name(ENTRY)
+                .specialization_info(&special),
+        ];
+        let kind = match pipeline {
+            Pipeline::Surface(kind) => Some(kind),
+            _ => None,
+        };
+        let input = kind.map(VertexInput::new).transpose()?.unwrap_or_default();
+        let state = FixedState::new(plan.subpass(stage).2, kind);
+        self.create(&stages, &input, &state, place, &plan.pipeline_text(pipeline))
+    }
+
+    fn create(
+        &self,
+        stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+        input: &VertexInput,
+        state: &FixedState,
+        place: Place,
+        name: &str,
+    ) -> Result<Owned<vk::Pipeline>> {
+        let input = vk::PipelineVertexInputStateCreateInfo::default()
+            .vertex_binding_descriptions(&input.bindings)
+            .vertex_attribute_descriptions(&input.attributes);
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
+            .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+        let multisample = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&state.blend);
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default()
+            .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
+        let info = vk::GraphicsPipelineCreateInfo::default()
+            .stages(stages)
+            .vertex_input_state(&input)
+            .input_assembly_state(&assembly)
+            .viewport_state(&viewport)
+            .rasterization_state(&state.raster)
+            .multisample_state(&multisample)
+            .color_blend_state(&blend)
+            .dynamic_state(&dynamic)
+            .layout(place.layout)
+            .render_pass(place.pass)
+            .subpass(place.subpass);
+        let info = match &state.depth {
+            Some(depth) => info.depth_stencil_state(depth),
+            None => info,
+        };
+        // SAFETY: everything that `info` points to outlives the call, and the modules match the layouts (a test
+        // compares both with the shared header).
+        let created = unsafe {
+            self.device.raw().create_graphics_pipelines(self.cache.raw(), &[info], self.device.callbacks())
+        };
+        let raw = created.map_err(|(_, result)| result).called("vkCreateGraphicsPipelines")?;
+        Ok(Owned::new(self.device, raw[0], name))
+    }
+
+    fn module(&self, module: Module) -> Result<Owned<vk::ShaderModule>> {
+        let info = vk::ShaderModuleCreateInfo::default().code(module.spirv()?);
+        // SAFETY: the words are SPIR-V that the shader compiler made and a test validates.
+        unsafe { self.device.create_shader_module(&info, &module.name()) }
+    }
+}
+
+fn map_entry(id: u32, index: usize) -> vk::SpecializationMapEntry {
+    let size = size_of::<u32>();
+    vk::SpecializationMapEntry { constant_id: id, offset: (index * size) as u32, size }
+}

@@ -1,0 +1,64 @@
+//! Which shader modules a pipeline consists of.
+
+use super::super::shader::{
+    GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
+};
+use crate::plan::{Pipeline, Plan, SurfaceKind};
+
+/// Vertex and fragment shader of a pipeline, and what the latter is specialised with.
+pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Specialization) {
+    let layout = plan.options.layout;
+    let output = OutputConstants { tonemap: plan.options.tonemap, dither: plan.options.dither };
+    match pipeline {
+        Pipeline::Surface(kind) => {
+            let textured = kind.textures != 0;
+            let constants = surface_constants(kind).specialization();
+            let vertex = vertex_module(kind);
+            match plan.needs.lit {
+                None => (vertex, Module::Unlit { textured }, constants.and(output.specialization())),
+                Some(_) => {
+                    let light_target = plan.has_light_target();
+                    (vertex, Module::GeometryFragment { layout, light_target, textured }, constants)
+                }
+            }
+        }
+        Pipeline::Lighting => {
+            let constants = LightingConstants {
+                has_directional: plan.needs.directional_lights > 0,
+                has_point: plan.needs.point_lights > 0,
+                has_spot: plan.needs.spot_lights > 0,
+                fold: plan.folded.then_some(output),
+            };
+            (Module::Fullscreen, Module::Lighting { layout }, constants.specialization())
+        }
+        Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
+    }
+}
+
+fn vertex_module(kind: &SurfaceKind) -> Module {
+    Module::GeometryVertex {
+        normal: !kind.unlit,
+        texcoord: kind.textures != 0,
+        tangent: kind.needs_tangents(),
+        color: kind.vertex_color,
+    }
+}
+
+fn surface_constants(kind: &SurfaceKind) -> GeometryConstants {
+    let slot = |slot: usize| {
+        kind.texture_index(slot).map(|index| TextureSlot {
+            slot: index as u32,
+            second_texcoord: kind.second_texcoord & (1 << slot) != 0,
+            transformed: kind.transformed & (1 << slot) != 0,
+        })
+    };
+    GeometryConstants {
+        textures: std::array::from_fn(slot),
+        alpha_mask: kind.alpha_mask,
+        double_sided: kind.double_sided,
+        unlit: kind.unlit,
+        vertex_color: kind.vertex_color,
+        emissive: kind.emissive,
+        ambient: kind.ambient,
+    }
+}
