@@ -18,6 +18,7 @@
 #define INPUT_NORMAL_ROUGHNESS 1
 #define INPUT_BASE_COLOR_METALLIC 2
 #define INPUT_LIGHT 0
+#define INPUT_FOG_DEPTH 1
 
 // Vertex attribute locations.
 #define ATTRIBUTE_POSITION 0
@@ -60,6 +61,17 @@
 #define ID_FOLD 17
 #define ID_TONEMAP 18
 #define ID_DITHER 19
+#define ID_BACKGROUND 20
+#define ID_BACKGROUND_RED 21
+#define ID_BACKGROUND_GREEN 22
+#define ID_BACKGROUND_BLUE 23
+#define ID_FOG 24
+#define ID_FOG_RED 25
+#define ID_FOG_GREEN 26
+#define ID_FOG_BLUE 27
+#define ID_FOG_DENSITY 28
+#define ID_FOG_BASE 29
+#define ID_FOG_INVERSE_HEIGHT 30
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

@@ -46,6 +46,9 @@ fn printed() -> Vec<(String, String)> {
         ("every_feature_kept".into(), plan(&features, Options { keep_gbuffer: true, ..default() })),
         ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
         ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),
+        ("foggy".into(), plan(&scenes::foggy(), default())),
+        ("foggy_lights".into(), plan(&scenes::foggy_lights(), default())),
+        ("foggy_unlit".into(), plan(&scenes::foggy_unlit(), default())),
     ];
     for scene in scenes::shipped() {
         for &strategy in Strategy::ALL {

@@ -22,6 +22,7 @@ embed![
     "lighting_exact.frag",
     "lighting_metallic128.frag",
     "tonemap.frag",
+    "tonemap_fog.frag",
     "unlit.frag",
     "unlit_textured.frag",
 ]

@@ -98,7 +98,10 @@ pub enum Module {
         layout: Layout,
     },
     /// Turns the light target into the output.
-    Tonemap,
+    Tonemap {
+        /// Whether fog lies between, so that depth is read too.
+        fog: bool,
+    },
     /// One triangle over the whole image.
     Fullscreen,
 }
@@ -121,7 +124,8 @@ impl Module {
             all.push(Self::Lighting { layout });
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
-        all.extend([Self::Tonemap, Self::Fullscreen]);
+        all.extend([false, true].map(|fog| Self::Tonemap { fog }));
+        all.push(Self::Fullscreen);
         all
     }
 
@@ -146,7 +150,7 @@ impl Module {
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
             Self::Lighting { layout } => format!("lighting_{layout}.frag"),
-            Self::Tonemap => "tonemap.frag".into(),
+            Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
             Self::Fullscreen => "fullscreen.vert".into(),
         }
     }
@@ -158,7 +162,7 @@ impl Module {
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
             Self::Lighting { .. } => "lighting.frag",
-            Self::Tonemap => "tonemap.frag",
+            Self::Tonemap { .. } => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
         }
     }
@@ -167,9 +171,10 @@ impl Module {
     pub fn stage(self) -> Stage {
         match self {
             Self::GeometryVertex { .. } | Self::Fullscreen => Stage::Vertex,
-            Self::GeometryFragment { .. } | Self::Unlit { .. } | Self::Lighting { .. } | Self::Tonemap => {
-                Stage::Fragment
-            }
+            Self::GeometryFragment { .. }
+            | Self::Unlit { .. }
+            | Self::Lighting { .. }
+            | Self::Tonemap { .. } => Stage::Fragment,
         }
     }
 
@@ -196,7 +201,8 @@ impl Module {
             ]),
             Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
             Self::Lighting { layout } => vec![layout_define(layout)],
-            Self::Tonemap | Self::Fullscreen => Vec::new(),
+            Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
+            Self::Fullscreen => Vec::new(),
         }
     }
 

@@ -233,6 +233,9 @@ impl Plan {
     /// A pipeline in words.
     pub fn pipeline_text(&self, pipeline: &super::Pipeline) -> String {
         use super::Pipeline as P;
+        let fog = if self.needs.fog.is_some() { " +fog" } else { "" };
+        let background = if self.needs.background.is_some() { " +background colour" } else { "" };
+        let around = format!("{fog}{background}");
         match pipeline {
             P::Surface(kind) => {
                 let need = self.needs.kinds.iter().find(|n| n.kind == *kind);
@@ -242,9 +245,9 @@ impl Plan {
                 });
                 format!("surface {kind}{}", why.unwrap_or_default())
             }
-            P::Lighting if self.folded => format!("lighting, {} tone curve", self.options.tonemap),
+            P::Lighting if self.folded => format!("lighting, {} tone curve{around}", self.options.tonemap),
             P::Lighting => "lighting".into(),
-            P::Tonemap => format!("tonemap, {} curve", self.options.tonemap),
+            P::Tonemap => format!("tonemap, {} curve{around}", self.options.tonemap),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The stages of a frame and the resources that they exchange, before anything is placed in memory.
 
-use super::{Format, Needs, Options, layout::Target};
+use super::{Format, Layout, Needs, Options, layout::Target};
 
 /// Something that stages write and read, one value a pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,9 +106,12 @@ impl Frame {
 
         let Some(lit) = &needs.lit else {
             // Nothing covers the whole image, so the output itself must be cleared.
-            resources[Self::OUTPUT].clear = Some([0.0, 0.0, 0.0, 1.0]);
+            let [red, green, blue] = needs.background.unwrap_or_default();
+            resources[Self::OUTPUT].clear = Some([red, green, blue, 1.0]);
             let uses = std::iter::once((Self::OUTPUT, Use::Write)).chain(depth_uses).collect();
-            let why = "nothing in the scene is lit: surfaces are drawn and tone-mapped at once".into();
+            let fogged = if needs.fog.is_some() { ", fogged" } else { "" };
+            let why =
+                format!("nothing in the scene is lit: surfaces are drawn{fogged} and tone-mapped at once");
             return Self { resources, stages: vec![Stage { name: "geometry", uses, why }], folded: true };
         };
 
@@ -152,8 +155,16 @@ impl Frame {
         };
         let tonemap = light.map(|light| Stage {
             name: "tonemap",
-            uses: vec![(Self::OUTPUT, Use::Write), (light, Use::Read)],
-            why: "light from several stages was summed".into(),
+            uses: [(Self::OUTPUT, Use::Write), (light, Use::Read)]
+                .into_iter()
+                .chain(needs.fog.map(|_| (surface[Layout::DEPTH], Use::Read)))
+                .collect(),
+            why: match needs.fog {
+                Some(_) => {
+                    "light from several stages was summed; fog goes by the depth of what sent it".into()
+                }
+                None => "light from several stages was summed".into(),
+            },
         });
         Self { resources, stages: [geometry, lighting].into_iter().chain(tonemap).collect(), folded }
     }

@@ -136,7 +136,7 @@ impl<'a> Paths<'a> {
     /// Irradiance in lux from the lights, and from one point of the surfaces that send light (its share by the balance
     /// heuristic).
     fn direct(&self, at: &Receiver, random: &mut Random) -> DVec3 {
-        let lights: DVec3 = self.lights.iter().map(|light| self.from_light(light, at)).sum();
+        let lights: DVec3 = self.lights.iter().map(|light| self.light_of(light, at)).sum();
         let Some(point) = self.emitters.draw(&self.visibility, random) else { return lights };
         let way = point.position_world - at.position_world;
         let (distance, direction) = (way.length(), way.normalize_or_zero());
@@ -154,7 +154,7 @@ impl<'a> Paths<'a> {
         lights + own_light(&self.visibility, &point.hit) * (cosine / (by_area + cosine / PI))
     }
 
-    fn from_light(&self, light: &Light, at: &Receiver) -> DVec3 {
+    fn light_of(&self, light: &Light, at: &Receiver) -> DVec3 {
         let arriving = incident(light, at.position_world);
         let cosine = at.normal_world.dot(arriving.to_light);
         if cosine <= 0.0 || arriving.illuminance == DVec3::ZERO {

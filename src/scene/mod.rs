@@ -9,12 +9,14 @@ mod light;
 mod material;
 mod mesh;
 mod mipmaps;
+mod surroundings;
 
 pub use camera::{Camera, Projection};
 pub use light::{Light, LightKind};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
 pub use mipmaps::{MipLevel, mip_level_count, mipmaps};
+pub use surroundings::{Background, Fog, FogHeight};
 
 use glam::Vec3;
 
@@ -40,6 +42,10 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Radiance that arrives from every direction alike, in cd/m², linear Rec.709. Zero means none.
     pub ambient_nt: Vec3,
+    /// What is seen where there is no surface.
+    pub background: Background,
+    /// Between the surfaces and the viewer.
+    pub fog: Option<Fog>,
     /// View points. [`Scene::load`] always gives at least one.
     pub cameras: Vec<Camera>,
     /// What the loader had to leave out or change, one sentence each.

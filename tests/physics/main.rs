@@ -12,6 +12,7 @@ mod gbuffer;
 mod gpu;
 mod quantised;
 mod scenes;
+mod surroundings;
 mod textured;
 
 /// Sixteen to nine, large enough for highlights and cones, small enough for a software rasteriser.

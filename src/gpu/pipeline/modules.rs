@@ -8,7 +8,12 @@ use crate::plan::{Pipeline, Plan, SurfaceKind};
 /// Vertex and fragment shader of a pipeline, and what the latter is specialised with.
 pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Specialization) {
     let layout = plan.options.layout;
-    let output = OutputConstants { tonemap: plan.options.tonemap, dither: plan.options.dither };
+    let output = OutputConstants {
+        tonemap: plan.options.tonemap,
+        dither: plan.options.dither,
+        background: plan.needs.background,
+        fog: plan.needs.fog,
+    };
     match pipeline {
         Pipeline::Surface(kind) => {
             let textured = kind.textures != 0;
@@ -31,7 +36,10 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
             };
             (Module::Fullscreen, Module::Lighting { layout }, constants.specialization())
         }
-        Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
+        Pipeline::Tonemap => {
+            let fog = plan.needs.fog.is_some();
+            (Module::Fullscreen, Module::Tonemap { fog }, output.specialization())
+        }
     }
 }
 
