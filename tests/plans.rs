@@ -47,6 +47,7 @@ fn printed() -> Vec<(String, String)> {
         ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
         ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),
         ("foggy".into(), plan(&scenes::foggy(), default())),
+        ("foggy_separate".into(), plan(&scenes::foggy(), separate())),
         ("foggy_lights".into(), plan(&scenes::foggy_lights(), default())),
         ("foggy_unlit".into(), plan(&scenes::foggy_unlit(), default())),
     ];

@@ -326,8 +326,6 @@ fn notes(needs: &Needs, options: &Options, attachments: &[Attachment], folded: b
         );
     } else {
         let table = options.layout.table();
-        let alpha = "light's alpha tells surfaces, where it is 1, from the background";
-        notes.extend((needs.background.is_some() || needs.fog.is_some()).then(|| alpha.into()));
         let range = format!("the light target holds exposed light up to {}", table.light_range);
         notes.extend((table.light.format == Format::Rgb10a2Unorm).then_some(range));
         if !options.recycle {

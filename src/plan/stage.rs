@@ -128,6 +128,14 @@ impl Frame {
         };
         let folded = needs.prelit.is_empty() && options.fold;
         let light = (!folded).then(|| add(&table.light, options.keep_gbuffer, light_why));
+        if let Some(light) = light {
+            if needs.fog.is_some() {
+                resources[surface[Layout::DEPTH]].why += ", and tonemap for fog";
+            }
+            if needs.fog.is_some() || needs.background.is_some() {
+                resources[light].holds = "rgb: exposed light / range, a: 0 background, 1 surface";
+            }
+        }
 
         let written = surface.iter().chain(&light).map(|&r| (r, Use::Write));
         let geometry = Stage {

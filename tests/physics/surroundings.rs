@@ -38,6 +38,9 @@ fn fog_is_the_references() {
                 let errors = of(&scene);
                 println!("{}, {}, {height:?}: {errors}", scene.name, camera.name);
                 failed.extend(errors.check().err());
+                if camera.name != scene.cameras[0].name {
+                    continue;
+                }
                 // The comparison must see the smallest things that could be wrong.
                 let right = scene.fog.unwrap();
                 let off = FogHeight { base_m: 0.41, ..layer };
