@@ -39,6 +39,16 @@ pub struct SceneArgs {
     /// scene's own, else fog is alike at all heights]
     #[arg(long, value_name = "BASE,SCALE", value_parser = fog_height, allow_hyphen_values = true)]
     pub fog_height: Option<FogHeight>,
+    /// Lights at most; the least important are left out: first by the priority that the scene gives them, then by the
+    /// light that they bring [default: all]
+    #[arg(long, value_name = "N")]
+    pub max_lights: Option<usize>,
+    /// Lights with shadows at most; the least important cast none
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub max_shadows: usize,
+    /// No light casts a shadow
+    #[arg(long, conflicts_with = "max_shadows")]
+    pub no_shadows: bool,
 }
 
 /// How the frame is built.

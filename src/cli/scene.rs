@@ -18,6 +18,10 @@ pub fn load(args: &SceneArgs) -> Result<Scene> {
     }
     scene.background = args.background.unwrap_or(scene.background);
     apply_fog(&mut scene, args);
+    if args.no_shadows {
+        scene = scene.without_shadows();
+    }
+    scene.keep_lights(args.max_lights, Some(args.max_shadows));
     for warning in &scene.warnings {
         print::warning(warning);
     }

@@ -69,6 +69,16 @@ impl SceneData {
         &self.objects
     }
 
+    /// What is drawn, to move it.
+    pub(super) fn objects_mut(&mut self) -> &mut Objects {
+        &mut self.objects
+    }
+
+    /// The lights, to change them.
+    pub(super) fn lights_mut(&mut self) -> &mut Lights {
+        &mut self.lights
+    }
+
     /// The buffers that pipelines of this family read, for a frame slot.
     pub(super) fn frame_set(&self, slot: usize, family: Family) -> vk::DescriptorSet {
         let index =

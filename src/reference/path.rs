@@ -9,8 +9,8 @@
 //! ```
 //!
 //! One sample follows one path. Directions are drawn by the cosine, density n.w / pi, so every vertex weighs its
-//! light by the product of the albedos before it and nothing else. At each vertex all lights are asked, with a shadow
-//! ray each (next event estimation), and one point is drawn on the surfaces that send light of their own. Such surfaces are found
+//! light by the product of the albedos before it and nothing else. At each vertex all lights are asked, those with
+//! shadows by a ray (next event estimation), and one point is drawn on the surfaces that send light of their own. Such surfaces are found
 //! by directions too; the two ways are weighed by the balance heuristic (Veach and Guibas, "Optimally Combining
 //! Sampling Techniques", SIGGRAPH 1995, section 3.2). Where a path meets nothing it takes the light from far away.
 //! Paths end after a fixed number of bounces, so light that was reflected more often than that is missing, and nothing
@@ -30,7 +30,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::gbuffer::{diffuse_albedo, own_light};
-use super::punctual::incident;
+use super::punctual::{diffuse_irradiance, incident};
 use super::view::Ray;
 use super::visibility::{Hit, Visibility};
 use crate::scene::{Light, LightKind, Scene};
@@ -156,18 +156,16 @@ impl<'a> Paths<'a> {
 
     fn light_of(&self, light: &Light, at: &Receiver) -> DVec3 {
         let arriving = incident(light, at.position_world);
+        let from_all_around = diffuse_irradiance(light, &arriving, at.normal_world);
         let cosine = at.normal_world.dot(arriving.to_light);
         if cosine <= 0.0 || arriving.illuminance == DVec3::ZERO {
-            return DVec3::ZERO;
+            return from_all_around;
         }
-        let distance = match light.kind {
-            LightKind::Directional { .. } => f64::INFINITY,
-            _ => (light.position_world.as_dvec3() - at.position_world).length(),
-        };
-        if self.visibility.is_blocked(&ray_from(at, arriving.to_light, distance)) {
-            return DVec3::ZERO;
+        let ray = ray_from(at, arriving.to_light, distance_to(light, at.position_world));
+        if light.shadow.is_some() && self.visibility.is_blocked(&ray) {
+            return from_all_around;
         }
-        arriving.illuminance * cosine
+        from_all_around + arriving.illuminance * cosine
     }
 
     /// Radiance in cd/m² where a ray meets nothing.
@@ -180,6 +178,19 @@ impl<'a> Paths<'a> {
         let plane_normal = self.visibility.plane_normal(hit);
         let normal = if plane_normal.dot(ray.direction) > 0.0 { -plane_normal } else { plane_normal };
         Receiver { position_world: ray.at(hit.distance), normal_world: normal, plane_normal_world: normal }
+    }
+}
+
+/// How far the light comes, in metres: what is farther casts no shadow.
+fn distance_to(light: &Light, position: DVec3) -> f64 {
+    let way = light.position_world.as_dvec3() - position;
+    match light.kind {
+        LightKind::Directional { .. } | LightKind::Hemisphere { .. } => f64::INFINITY,
+        // From the face that the light enters by.
+        LightKind::Box { size_m, .. } => {
+            f64::from(size_m.z) * 0.5 - way.dot(light.direction_world.as_dvec3())
+        }
+        LightKind::Point { .. } | LightKind::Spot { .. } => way.length(),
     }
 }
 

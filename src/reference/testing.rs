@@ -6,7 +6,7 @@ use glam::{DVec3, Mat4, Vec3};
 
 use super::brdf::{alpha_from_roughness, brdf};
 use super::gbuffer::Attributes;
-use crate::scene::{Camera, Instance, Light, LightKind, Material, Mesh, Projection, Scene};
+use crate::scene::{Camera, Instance, Material, Mesh, Projection, Scene};
 
 pub fn perspective(yfov_rad: f32, znear_m: f32, zfar_m: Option<f32>) -> Projection {
     Projection::Perspective { yfov_rad, znear_m, zfar_m }
@@ -22,22 +22,9 @@ pub fn camera_at(eye: Vec3, target: Vec3, projection: Projection) -> Camera {
     Camera { name: "test".into(), world_from_view, projection }
 }
 
-/// White, at the origin, shining along -Z, without range.
-pub fn light(kind: LightKind) -> Light {
-    Light {
-        name: "test".into(),
-        color: Vec3::ONE,
-        kind,
-        position_world: Vec3::ZERO,
-        direction_world: Vec3::NEG_Z,
-        range_m: None,
-    }
-}
-
 /// One instance of each mesh, all with one material.
 pub fn scene_of(material: Material, meshes: Vec<(Mesh, Mat4)>) -> Scene {
-    let instances =
-        (0..meshes.len()).map(|mesh| Instance { mesh, world_from_object: meshes[mesh].1 }).collect();
+    let instances = (0..meshes.len()).map(|mesh| Instance::new(mesh, meshes[mesh].1)).collect();
     let meshes = meshes.into_iter().map(|(mesh, _)| mesh).collect();
     Scene { meshes, instances, materials: vec![material], ..Scene::default() }
 }

@@ -3,6 +3,7 @@
 //! World space is right-handed with +Y up, in metres. Colours are linear Rec.709. A scene can be loaded from
 //! glTF ([`Scene::load`]) or built by hand; nothing here knows about Vulkan.
 
+mod budget;
 mod camera;
 mod gltf;
 mod light;
@@ -12,7 +13,7 @@ mod mipmaps;
 mod surroundings;
 
 pub use camera::{Camera, Projection};
-pub use light::{Light, LightKind};
+pub use light::{GlobeMap, GlobePicture, Light, LightKind, Shadow};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
 pub use mipmaps::{MipLevel, mip_level_count, mipmaps};
@@ -38,7 +39,7 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Decoded pictures.
     pub images: Vec<Image>,
-    /// Punctual lights.
+    /// Lights without extent.
     pub lights: Vec<Light>,
     /// Radiance that arrives from every direction alike, in cd/m², linear Rec.709. Zero means none.
     pub ambient_nt: Vec3,
@@ -63,7 +64,12 @@ impl Scene {
 
     /// The instances that have triangles to draw.
     pub(crate) fn drawn_instances(&self) -> impl Iterator<Item = &Instance> {
-        self.instances.iter().filter(|i| !self.meshes[i.mesh].indices.is_empty())
+        self.instances.iter().filter(|i| self.is_drawn(i))
+    }
+
+    /// Whether an instance has triangles to draw.
+    pub(crate) fn is_drawn(&self, instance: &Instance) -> bool {
+        !self.meshes[instance.mesh].indices.is_empty()
     }
 
     /// The number of triangles that one frame draws, instances counted.

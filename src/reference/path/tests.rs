@@ -1,6 +1,6 @@
 use super::*;
-use crate::reference::testing::{light, scene_of, square};
-use crate::scene::{AlphaMode, Material, Mesh};
+use crate::reference::testing::{scene_of, square};
+use crate::scene::{AlphaMode, Instance, Material, Mesh, Shadow};
 use glam::{Mat4, Vec3, Vec4};
 use std::f32::consts::{FRAC_PI_2, PI as PI_32};
 
@@ -13,6 +13,11 @@ fn gray(albedo: f32, emission: f32) -> Material {
         metallic_factor: 0.0,
         ..Material::default()
     }
+}
+
+/// White, at the origin, shining along -Z.
+fn lamp(kind: LightKind) -> Light {
+    Light { shadow: Some(Shadow::default()), ..Light::new(kind) }
 }
 
 /// On a surface that faces +Z.
@@ -53,29 +58,53 @@ fn a_closed_room_that_glows_gathers_the_geometric_series() {
 
 #[test]
 fn lights_obey_the_cosine_and_are_blocked() {
-    let mut lamp = light(LightKind::Point { intensity_cd: 8.0 });
-    lamp.position_world = Vec3::new(2.0, 0.0, 2.0);
-    let mut sun = light(LightKind::Directional { illuminance_lx: 3.0 });
+    let mut bulb = lamp(LightKind::Point { intensity_cd: 8.0 });
+    bulb.position_world = Vec3::new(2.0, 0.0, 2.0);
+    let mut sun = lamp(LightKind::Directional { illuminance_lx: 3.0 });
     sun.direction_world = Vec3::new(0.0, 0.6, -0.8);
     let blocker =
         (square(1.0), Mat4::from_translation(Vec3::new(1.0, 0.0, 1.0)) * Mat4::from_rotation_y(-1.0));
     let mut scene = scene_of(gray(0.0, 0.0), vec![(square(3.0), Mat4::IDENTITY)]);
-    scene.lights = vec![lamp, sun];
+    scene.lights = vec![bulb, sun];
     // 8 cd at sqrt(8) m and 45 degrees; 3 lx at a cosine of 0.8.
     let (from_lamp, from_sun) = (0.5_f64.sqrt(), 2.4);
     assert_near(irradiance(&scene, 3, DVec3::ZERO), from_lamp + from_sun, 1e-6);
     scene.meshes.push(blocker.0);
-    scene.instances.push(crate::scene::Instance {
-        mesh: 1,
-        world_from_object: blocker.1,
-        ..scene.instances[0]
-    });
+    scene.instances.push(Instance::new(1, blocker.1));
     // Its back is turned to the lamp: it blocks all the same.
     assert_near(irradiance(&scene, 3, DVec3::ZERO), from_sun, 1e-6);
+    // Without shadows, the lamp shines through.
+    scene.lights[0].shadow = None;
+    assert_near(irradiance(&scene, 3, DVec3::ZERO), from_lamp + from_sun, 1e-6);
+    scene.lights[0].shadow = Some(Shadow::default());
     // Of a mask, only what is there blocks.
     scene.meshes[1].colors = vec![Vec4::new(1.0, 1.0, 1.0, 0.4); 4];
     scene.materials[0].alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
     assert_near(irradiance(&scene, 3, DVec3::ZERO), from_lamp + from_sun, 1e-6);
+}
+
+#[test]
+fn a_box_light_is_blocked_within_its_box_only() {
+    let kind = LightKind::Box { illuminance_lx: 2.0, size_m: Vec3::splat(2.0), falloff_m: 0.0 };
+    let cover = |z: f32| {
+        let mut scene = scene_of(gray(0.0, 0.0), vec![(square(0.5), Mat4::from_translation(Vec3::Z * z))]);
+        scene.lights = vec![lamp(kind)];
+        irradiance(&scene, 0, DVec3::Z * -0.5)
+    };
+    // The box goes from -1 to 1.
+    assert_eq!([cover(0.9), cover(1.1), cover(-0.9)], [0.0, 2.0, 2.0]);
+}
+
+#[test]
+fn hemispheres_and_back_colours_come_through() {
+    let mut scene = scene_of(gray(0.0, 0.0), vec![(square(0.5), Mat4::from_translation(Vec3::Z))]);
+    let mut sky = lamp(LightKind::Hemisphere { illuminance_lx: 4.0 });
+    (sky.direction_world, sky.back_color) = (Vec3::NEG_X, Vec3::splat(0.5));
+    let mut rim = lamp(LightKind::Directional { illuminance_lx: 3.0 });
+    (rim.direction_world, rim.back_color) = (Vec3::Z, Vec3::splat(0.25));
+    scene.lights = vec![sky, rim];
+    // Half of either half sphere; a quarter of the light from behind.
+    assert_near(irradiance(&scene, 0, DVec3::ZERO), 2.0 + 1.0 + 0.75, 1e-6);
 }
 
 /// From an element to a parallel rectangle with a corner above it: Howell, "A Catalog of Radiation Heat Transfer
@@ -155,7 +184,7 @@ fn an_integrating_sphere_multiplies_its_lamp() {
     }
     let albedo: f64 = 0.5;
     let mut scene = scene_of(gray(albedo as f32, 0.0), vec![(sphere, Mat4::IDENTITY)]);
-    scene.lights = vec![light(LightKind::Point { intensity_cd: 2.0 })];
+    scene.lights = vec![lamp(LightKind::Point { intensity_cd: 2.0 })];
     for bounces in [0, 1, 2, 20] {
         let expected = 2.0 * (1.0 - albedo.powi(bounces + 1)) / (1.0 - albedo);
         assert_near(irradiance(&scene, bounces as u32, DVec3::Z * -0.998), expected, FACETS);
