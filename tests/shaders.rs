@@ -271,7 +271,10 @@ fn fragments_read_what_vertices_write() {
     for (vertex, written) in &all {
         let Module::GeometryVertex { texcoord, .. } = *vertex else { continue };
         for (fragment, read) in &all {
-            let (Module::GeometryFragment { textured, .. } | Module::Unlit { textured }) = *fragment else {
+            let (Module::GeometryFragment { textured, .. }
+            | Module::Unlit { textured }
+            | Module::Forward { textured }) = *fragment
+            else {
                 continue;
             };
             if textured && !texcoord {
@@ -282,8 +285,8 @@ fn fragments_read_what_vertices_write() {
             pairs += 1;
         }
     }
-    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 5 of each.
-    assert_eq!(pairs, 5 * (10 + 6));
+    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 6 of each.
+    assert_eq!(pairs, 6 * (10 + 6));
 }
 
 #[test]
@@ -311,6 +314,9 @@ fn specialization(module: Module) -> Specialization {
         Module::GeometryVertex { .. } | Module::Fullscreen => Specialization::default(),
         Module::GeometryFragment { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
+        Module::Forward { .. } => {
+            geometry.and(LightingConstants { fold: Some(output), ..Default::default() }.specialization())
+        }
         Module::Lighting { .. } => {
             LightingConstants { fold: Some(output), ..Default::default() }.specialization()
         }

@@ -92,6 +92,11 @@ pub enum Module {
         /// Whether the material has any texture.
         textured: bool,
     },
+    /// Lights a surface as it is drawn and writes the output.
+    Forward {
+        /// Whether the material has any texture.
+        textured: bool,
+    },
     /// Shades the G-buffer by punctual lights.
     Lighting {
         /// How the G-buffer is laid out.
@@ -124,6 +129,7 @@ impl Module {
             all.push(Self::Lighting { layout });
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
+        all.extend([false, true].map(|textured| Self::Forward { textured }));
         all.extend([false, true].map(|fog| Self::Tonemap { fog }));
         all.push(Self::Fullscreen);
         all
@@ -149,6 +155,7 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
+            Self::Forward { textured } => format!("forward{}.frag", suffix(textured, "_textured")),
             Self::Lighting { layout } => format!("lighting_{layout}.frag"),
             Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
             Self::Fullscreen => "fullscreen.vert".into(),
@@ -161,6 +168,7 @@ impl Module {
             Self::GeometryVertex { .. } => "geometry.vert",
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
+            Self::Forward { .. } => "forward.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap { .. } => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
@@ -173,6 +181,7 @@ impl Module {
             Self::GeometryVertex { .. } | Self::Fullscreen => Stage::Vertex,
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
+            | Self::Forward { .. }
             | Self::Lighting { .. }
             | Self::Tonemap { .. } => Stage::Fragment,
         }
@@ -199,7 +208,7 @@ impl Module {
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
             ]),
-            Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Unlit { textured } | Self::Forward { textured } => chosen(&[(textured, "TEXTURED")]),
             Self::Lighting { layout } => vec![layout_define(layout)],
             Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
             Self::Fullscreen => Vec::new(),

@@ -20,6 +20,7 @@
 pub mod ambient;
 pub mod brdf;
 mod bvh;
+pub mod environment;
 pub mod fog;
 pub mod frame;
 pub mod gbuffer;

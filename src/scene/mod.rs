@@ -5,6 +5,7 @@
 
 mod budget;
 mod camera;
+mod environment;
 mod gltf;
 mod light;
 mod material;
@@ -13,6 +14,7 @@ mod mipmaps;
 mod surroundings;
 
 pub use camera::{Camera, Projection};
+pub use environment::Environment;
 pub use light::{GlobeMap, GlobePicture, Light, LightKind, Shadow};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
@@ -47,6 +49,8 @@ pub struct Scene {
     pub background: Background,
     /// Between the surfaces and the viewer.
     pub fog: Option<Fog>,
+    /// Radiance from far away, in addition to `ambient_nt`.
+    pub environment: Option<Environment>,
     /// View points. [`Scene::load`] always gives at least one.
     pub cameras: Vec<Camera>,
     /// What the loader had to leave out or change, one sentence each.

@@ -2,7 +2,7 @@
 
 use ontile::glam::Vec3;
 use ontile::picture::Pixels;
-use ontile::plan::{Layout, OutputFormat, Tonemap};
+use ontile::plan::{Layout, OutputFormat, Path, Tonemap};
 use ontile::reference::render;
 use ontile::scene::{Background, Fog, FogHeight, Scene};
 
@@ -30,15 +30,17 @@ fn fog_is_the_references() {
     for mut scene in arrangements() {
         for height in [None, Some(layer)] {
             scene.fog = Some(fog(height));
-            for camera in &scene.cameras {
-                let rendered = gpu.render(&scene, camera, Ask { exposure_ev: 1.0, ..Ask::EXACT });
+            let forward = (&scene.cameras[0], Path::Forward);
+            let deferred = scene.cameras.iter().map(|camera| (camera, Path::Deferred));
+            for (camera, path) in deferred.chain([forward]) {
+                let rendered = gpu.render(&scene, camera, Ask { exposure_ev: 1.0, path, ..Ask::EXACT });
                 let of = |scene: &Scene| {
                     Errors::of_display(&render(scene, camera, &rendered.settings), &rendered.light())
                 };
                 let errors = of(&scene);
-                println!("{}, {}, {height:?}: {errors}", scene.name, camera.name);
+                println!("{}, {}, {path}, {height:?}: {errors}", scene.name, camera.name);
                 failed.extend(errors.check().err());
-                if camera.name != scene.cameras[0].name {
+                if camera.name != scene.cameras[0].name || path != Path::Deferred {
                     continue;
                 }
                 // The comparison must see the smallest things that could be wrong.
@@ -68,8 +70,14 @@ fn a_background_colour_is_seen_as_it_was_typed() {
         scene.background = Background::from_hex("#1e90ff").expect("a colour");
         scene.fog = Some(fog(None));
         let camera = &scene.cameras[0];
-        for (layout, tonemap) in [(Layout::Metallic128, Tonemap::Aces), (Layout::Exact, Tonemap::Neutral)] {
-            let ask = Ask { layout, tonemap, exposure_ev: -2.0, output: OutputFormat::Rgba8Srgb };
+        let cases = [
+            (Layout::Metallic128, Path::Deferred, Tonemap::Aces),
+            (Layout::Exact, Path::Deferred, Tonemap::Neutral),
+            (Layout::Exact, Path::Forward, Tonemap::Reinhard),
+        ];
+        for (layout, path, tonemap) in cases {
+            let output = OutputFormat::Rgba8Srgb;
+            let ask = Ask { layout, path, tonemap, exposure_ev: -2.0, output };
             let rendered = gpu.render(&scene, camera, ask);
             let frame = render(&scene, camera, &rendered.settings);
             let Pixels::Rgba8(bytes) = &rendered.picture.pixels else {
@@ -78,7 +86,7 @@ fn a_background_colour_is_seen_as_it_was_typed() {
             let (mut seen, mut lit) = (0, 0);
             for (pixel, bytes) in frame.pixels.iter().zip(bytes.chunks(4)).filter(|(p, _)| !p.edge) {
                 let is_background = bytes == [0x1e, 0x90, 0xff, 0xff];
-                assert_eq!(is_background, !pixel.covered, "{}, {layout}: {bytes:x?}", scene.name);
+                assert_eq!(is_background, !pixel.covered, "{}, {layout}, {path}: {bytes:x?}", scene.name);
                 seen += u32::from(!pixel.covered);
                 lit += u32::from(pixel.covered);
             }

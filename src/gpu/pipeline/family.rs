@@ -44,7 +44,8 @@ impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
         let frame: &[u32] = match pipeline {
-            Pipeline::Surface(_) => &[FRAME, INSTANCES],
+            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => &[FRAME, INSTANCES],
+            Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
             Pipeline::Lighting => &[FRAME, LIGHTS],
             Pipeline::Tonemap => &[FRAME],
         };

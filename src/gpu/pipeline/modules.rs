@@ -14,28 +14,27 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
         background: plan.needs.background,
         fog: plan.needs.fog,
     };
+    let lighting = LightingConstants {
+        has_directional: plan.needs.directional_lights > 0,
+        has_point: plan.needs.point_lights > 0,
+        has_spot: plan.needs.spot_lights > 0,
+        fold: plan.folded.then_some(output),
+    };
     match pipeline {
         Pipeline::Surface(kind) => {
             let textured = kind.textures != 0;
             let constants = surface_constants(kind).specialization();
             let vertex = vertex_module(kind);
-            match plan.needs.lit {
-                None => (vertex, Module::Unlit { textured }, constants.and(output.specialization())),
-                Some(_) => {
-                    let light_target = plan.has_light_target();
-                    (vertex, Module::GeometryFragment { layout, light_target, textured }, constants)
-                }
+            if plan.has_gbuffer() {
+                let light_target = plan.has_light_target();
+                (vertex, Module::GeometryFragment { layout, light_target, textured }, constants)
+            } else if kind.unlit {
+                (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
+            } else {
+                (vertex, Module::Forward { textured }, constants.and(lighting.specialization()))
             }
         }
-        Pipeline::Lighting => {
-            let constants = LightingConstants {
-                has_directional: plan.needs.directional_lights > 0,
-                has_point: plan.needs.point_lights > 0,
-                has_spot: plan.needs.spot_lights > 0,
-                fold: plan.folded.then_some(output),
-            };
-            (Module::Fullscreen, Module::Lighting { layout }, constants.specialization())
-        }
+        Pipeline::Lighting => (Module::Fullscreen, Module::Lighting { layout }, lighting.specialization()),
         Pipeline::Tonemap => {
             let fog = plan.needs.fog.is_some();
             (Module::Fullscreen, Module::Tonemap { fog }, output.specialization())
