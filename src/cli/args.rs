@@ -177,7 +177,8 @@ fn exposure(text: &str) -> Result<f32, String> {
     }
 }
 
-fn radiance(text: &str) -> Result<f32, String> {
+/// A radiance in cd/m².
+pub fn radiance(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(nt) if nt >= 0.0 && nt.is_finite() => Ok(nt),
         _ => Err("give a radiance in cd/m², 0 or more".into()),

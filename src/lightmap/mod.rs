@@ -22,6 +22,7 @@ use rayon::prelude::*;
 
 use crate::reference::path::{Paths, Random, quasi_random};
 use crate::scene::{Light, Lightmap, Scene};
+use crate::{Error, Result};
 use texels::{Texel, Texels};
 
 /// How light is computed.
@@ -50,11 +51,20 @@ struct Received {
 /// Every texel is the mean over what the map's coordinates put into it; where they put nothing, of the nearest point that a
 /// bilinear filter mixes it with. Texels that lie inside something else take their neighbours' light.
 ///
+/// # Errors
+/// [`Error::Unsupported`] if nothing in the scene sends light that is static.
+///
 /// # Panics
 /// If an instance with a part of the map has a mesh without TEXCOORD_1.
-pub fn bake(scene: &Scene, settings: &Settings, progress: impl Fn() + Sync) -> Lightmap {
+pub fn bake(scene: &Scene, settings: &Settings, progress: impl Fn() + Sync) -> Result<Lightmap> {
     let [width, height] = settings.size;
     let paths = Paths::new(scene, static_lights(scene), settings.bounces);
+    if paths.are_dark() {
+        return Err(Error::unsupported(
+            format!("scene '{}' has no light to bake: no static lights, nothing that glows, and none around", scene.name),
+            "add lights or an emissive surface, or ask for ambient light",
+        ));
+    }
     let texels = Texels::new(scene, settings.size);
     let rows = (0..height).into_par_iter().map(|y| {
         let row: Vec<_> = (0..width)
@@ -70,12 +80,12 @@ pub fn bake(scene: &Scene, settings: &Settings, progress: impl Fn() + Sync) -> L
     fill_enclosed(&texels, &mut received, settings.size);
     let irradiances: Vec<_> =
         received.into_iter().map(|r| r.map_or(DVec3::ZERO, |r| r.irradiance_lx)).collect();
-    Lightmap::encode(width, height, &irradiances)
+    Ok(Lightmap::encode(width, height, &irradiances))
 }
 
 /// The lights that a lightmap holds: those that shine and do not move.
 pub fn static_lights(scene: &Scene) -> Vec<&Light> {
-    scene.lights.iter().filter(|light| !light.dynamic).collect()
+    scene.lights.iter().filter(|light| light.shines() && !light.dynamic).collect()
 }
 
 fn receive(paths: &Paths, texel: &Texel, seed: u64, settings: &Settings) -> Received {

@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::pack::{Packed, pack};
 use super::unwrap::{Layout, Part, Unwrap};
-use crate::scene::gltf::edit::{Edit, Replacement, Surface};
+use crate::scene::edit::{Edit, Replacement, Surface};
 use crate::scene::{Lightmap, Scene};
 use crate::{Error, Result, file};
 
@@ -93,7 +93,12 @@ pub fn prepare(path: &Path, density: Density) -> Result<Prepared> {
         })
         .collect();
     edit.replace_vertices(&replacements)?;
-    Ok(Prepared { scene: edit.scene()?, size, texels_per_metre, edit })
+    let mut scene = edit.scene()?;
+    if !edit.static_light_nodes()?.1 {
+        // Those that a scene without lights gets are no part of it.
+        scene.lights.clear();
+    }
+    Ok(Prepared { scene, size, texels_per_metre, edit })
 }
 
 impl Prepared {
@@ -110,7 +115,7 @@ impl Prepared {
         let scale = self.edit.add_png("lightmap scale", &scale);
         let extra = json!({"color_image": color, "scale_image": scale, "unit_lx": lightmap.unit_lx});
         self.edit.set_extra("", "lightmap", extra);
-        for node in self.edit.static_light_nodes()? {
+        for node in self.edit.static_light_nodes()?.0 {
             self.edit.set_extra(&format!("/nodes/{node}"), "baked", json!(true));
         }
         file::write_whole(path, &self.edit.to_glb())
@@ -119,7 +124,7 @@ impl Prepared {
 
 fn parts_of(surface: &Surface) -> Vec<Part<'_>> {
     let part = |p| {
-        let crate::scene::gltf::edit::Part { positions, texcoords, indices, .. } = p;
+        let crate::scene::edit::Part { positions, texcoords, indices, .. } = p;
         Part { positions, texcoords, indices }
     };
     surface.parts.iter().map(part).collect()

@@ -44,16 +44,11 @@ pub(super) struct Interpolated<'a> {
 
 pub(super) fn interpolate<'a>(visibility: &Visibility<'a>, hit: &Hit) -> Interpolated<'a> {
     let triangle = &visibility.triangles[hit.triangle as usize];
-    let placement = &visibility.placements[triangle.instance as usize];
     let scene = visibility.scene;
     let mesh = &scene.meshes[scene.instances[triangle.instance as usize].mesh];
-    let normal_world = if mesh.normals.is_empty() {
-        visibility.front_normal(hit)
-    } else {
-        weighted(hit, |k| {
-            let normal = mesh.normals[triangle.vertices[k] as usize].as_dvec3();
-            (placement.normal_world_from_object * normal).normalize_or_zero()
-        })
+    let normal_world = match corner_normals(visibility, hit.triangle) {
+        Some(normals) => weighted(hit, |k| normals[k]),
+        None => visibility.front_normal(hit),
     };
     let color = if mesh.colors.is_empty() {
         DVec4::ONE
@@ -62,6 +57,18 @@ pub(super) fn interpolate<'a>(visibility: &Visibility<'a>, hit: &Hit) -> Interpo
         corner(0) + corner(1) + corner(2)
     };
     Interpolated { mesh, material: &scene.materials[mesh.material], normal_world, color }
+}
+
+/// The vertex normals of a triangle in world space, unit length (or zero); `None` if its mesh has none.
+pub(super) fn corner_normals(visibility: &Visibility, triangle: u32) -> Option<[DVec3; 3]> {
+    let triangle = &visibility.triangles[triangle as usize];
+    let placement = &visibility.placements[triangle.instance as usize];
+    let mesh = &visibility.scene.meshes[visibility.scene.instances[triangle.instance as usize].mesh];
+    let normal = |vertex: u32| {
+        let normal = mesh.normals[vertex as usize].as_dvec3();
+        (placement.normal_world_from_object * normal).normalize_or_zero()
+    };
+    (!mesh.normals.is_empty()).then(|| triangle.vertices.map(normal))
 }
 
 fn weighted(hit: &Hit, corner: impl Fn(usize) -> DVec3) -> DVec3 {

@@ -10,10 +10,9 @@
 //!
 //! One sample follows one path. Directions are drawn by the cosine, density n.w / pi, so every vertex weighs its
 //! light by the product of the albedos before it and nothing else. At each vertex all lights are asked, those with
-//! shadows by a ray (next event estimation), and one point is drawn on the surfaces that send light of their own. Such surfaces are found
-//! by directions too; the two ways are weighed by the balance heuristic (Veach and Guibas, "Optimally Combining
-//! Sampling Techniques", SIGGRAPH 1995, section 3.2). Where a path meets nothing it takes the light from far away.
-//! Paths end after a fixed number of bounces, so light that was reflected more often than that is missing, and nothing
+//! shadows by a ray (next event estimation), one point is drawn on the surfaces that send light of their own, and one
+//! direction of the environment. Both are found by the path too; the ways are weighed by the balance heuristic (Veach
+//! and Guibas, "Optimally Combining Sampling Techniques", SIGGRAPH 1995, section 3.2). Paths end after a fixed number of bounces, so light that was reflected more often than that is missing, and nothing
 //! else is: with albedo a and b bounces at most the share a^(b+1).
 //!
 //! How surfaces take part:
@@ -23,18 +22,20 @@
 //! - places that an alpha mask cuts out let light through.
 
 mod emitters;
+mod far;
 mod sampling;
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::gbuffer::{diffuse_albedo, own_light};
+use super::gbuffer::{corner_normals, diffuse_albedo, own_light};
 use super::punctual::{diffuse_irradiance, incident};
 use super::view::Ray;
 use super::visibility::{Hit, Visibility};
 use crate::scene::{Light, LightKind, Scene};
 use emitters::Emitters;
+use far::FarLight;
 pub use sampling::Random;
 use sampling::{cosine_direction, fraction, quasi_random};
 
@@ -47,6 +48,7 @@ pub struct Paths<'a> {
     visibility: Visibility<'a>,
     lights: Vec<&'a Light>,
     emitters: Emitters,
+    far: FarLight,
     bounces: u32,
 }
 
@@ -71,20 +73,46 @@ pub struct Sample {
 }
 
 impl<'a> Paths<'a> {
-    /// All of the scene's surfaces, lit by `lights`, by what surfaces send themselves, and from far away. After
+    /// The scene's surfaces that do not move, lit by `lights`, by what surfaces send themselves, and from far away. After
     /// `bounces` reflections light is not followed; 0 gives direct light.
     ///
     /// # Panics
     /// If an index within the scene is out of range.
     pub fn new(scene: &'a Scene, lights: Vec<&'a Light>, bounces: u32) -> Self {
-        let visibility = Visibility::new(scene);
+        let visibility = Visibility::of(scene, |instance| !instance.dynamic);
         let emitters = Emitters::new(&visibility);
-        Self { visibility, lights, emitters, bounces }
+        Self { visibility, lights, emitters, far: FarLight::new(scene), bounces }
+    }
+
+    /// Whether there is no light to be found.
+    pub fn are_dark(&self) -> bool {
+        self.lights.is_empty() && self.emitters.is_empty() && self.far.is_dark()
     }
 
     /// The scene's triangles.
     pub fn visibility(&self) -> &Visibility<'a> {
         &self.visibility
+    }
+
+    /// A point on the front of a triangle (its index among all triangles of [`Self::visibility`]).
+    ///
+    /// Where vertex normals make a bulge of flat triangles, the point is lifted onto it, so that the triangles around do not
+    /// hide what the bulge would see (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021).
+    pub fn receiver_on(&self, triangle: u32, barycentric: [f64; 3]) -> Receiver {
+        let hit = Hit { distance: 0.0, triangle, barycentric, front_facing: true };
+        let corners = self.visibility.triangles[triangle as usize].corners_world;
+        let flat = self.visibility.front_normal(&hit);
+        let normals = corner_normals(&self.visibility, triangle).unwrap_or([flat; 3]);
+        let on_plane: DVec3 = (0..3).map(|k| corners[k] * barycentric[k]).sum();
+        let lift: DVec3 = (0..3)
+            .map(|k| normals[k] * (normals[k].dot(corners[k] - on_plane).max(0.0) * barycentric[k]))
+            .sum();
+        let normal: DVec3 = (0..3).map(|k| normals[k] * barycentric[k]).sum();
+        Receiver {
+            position_world: on_plane + lift,
+            normal_world: normal.try_normalize().unwrap_or(flat),
+            plane_normal_world: flat,
+        }
     }
 
     /// Irradiance in lux: the mean of `samples` paths. The same seed gives the same result.
@@ -106,7 +134,10 @@ impl<'a> Paths<'a> {
         for bounce in 0.. {
             let ray = ray_from(&at, direction, f64::INFINITY);
             let Some(hit) = self.visibility.trace_solid(&ray) else {
-                irradiance += throughput * PI * self.far_light();
+                let by_cosine = at.normal_world.dot(direction).max(0.0) / PI;
+                let share = fraction(by_cosine, self.far.density(direction));
+                irradiance +=
+                    throughput * PI * (self.far.ambient_nt() + self.far.radiance(direction) * share);
                 break;
             };
             if !self.visibility.is_drawn(&hit) {
@@ -133,25 +164,38 @@ impl<'a> Paths<'a> {
         Sample { irradiance, is_enclosed }
     }
 
-    /// Irradiance in lux from the lights, and from one point of the surfaces that send light (its share by the balance
-    /// heuristic).
+    /// Irradiance in lux from the lights; from one point of the surfaces that send light, and from one direction of the
+    /// environment, their shares by the balance heuristic.
     fn direct(&self, at: &Receiver, random: &mut Random) -> DVec3 {
         let lights: DVec3 = self.lights.iter().map(|light| self.light_of(light, at)).sum();
-        let Some(point) = self.emitters.draw(&self.visibility, random) else { return lights };
+        lights + self.of_emitters(at, random) + self.of_environment(at, random)
+    }
+
+    fn of_environment(&self, at: &Receiver, random: &mut Random) -> DVec3 {
+        let Some(direction) = self.far.draw(random) else { return DVec3::ZERO };
+        let (cosine, density) = (at.normal_world.dot(direction), self.far.density(direction));
+        if cosine <= 0.0 || density <= 0.0 || self.visibility.is_blocked(&ray_from(at, direction, f64::INFINITY)) {
+            return DVec3::ZERO;
+        }
+        self.far.radiance(direction) * (cosine / (density + cosine / PI))
+    }
+
+    fn of_emitters(&self, at: &Receiver, random: &mut Random) -> DVec3 {
+        let Some(point) = self.emitters.draw(&self.visibility, random) else { return DVec3::ZERO };
         let way = point.position_world - at.position_world;
         let (distance, direction) = (way.length(), way.normalize_or_zero());
         let cosine = at.normal_world.dot(direction);
         let by_area = self.emitters.density(&self.visibility, &point.hit, direction, distance);
         if cosine <= 0.0 || !by_area.is_finite() || by_area <= 0.0 {
-            return lights;
+            return DVec3::ZERO;
         }
         // The ray starts off the surface: it ends as far before the point.
         let ray = ray_from(at, direction, distance);
         let end = (point.position_world - ray.origin).length() * (1.0 - OFFSET) - offset(at.position_world);
         if self.visibility.is_blocked(&Ray { range: [0.0, end], ..ray }) {
-            return lights;
+            return DVec3::ZERO;
         }
-        lights + own_light(&self.visibility, &point.hit) * (cosine / (by_area + cosine / PI))
+        own_light(&self.visibility, &point.hit) * (cosine / (by_area + cosine / PI))
     }
 
     fn light_of(&self, light: &Light, at: &Receiver) -> DVec3 {
@@ -166,11 +210,6 @@ impl<'a> Paths<'a> {
             return from_all_around;
         }
         from_all_around + arriving.illuminance * cosine
-    }
-
-    /// Radiance in cd/m² where a ray meets nothing.
-    fn far_light(&self) -> DVec3 {
-        self.visibility.scene.ambient_nt.as_dvec3()
     }
 
     /// The hit surface's point, on the side that the ray comes from; flat, as its triangle is.

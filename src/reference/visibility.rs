@@ -5,7 +5,7 @@ use glam::{DMat3, DMat4, DVec3};
 use super::bvh::{Bounds, Bvh};
 use super::gbuffer;
 use super::view::Ray;
-use crate::scene::{AlphaMode, Material, Scene};
+use crate::scene::{AlphaMode, Instance, Material, Scene};
 
 /// A scene's triangles in world space, ready for rays.
 pub struct Visibility<'a> {
@@ -55,10 +55,19 @@ impl<'a> Visibility<'a> {
     /// # Panics
     /// If an index within the scene is out of range.
     pub fn new(scene: &'a Scene) -> Self {
+        Self::of(scene, |_| true)
+    }
+
+    /// As [`Self::new`], with some of the instances only.
+    ///
+    /// # Panics
+    /// If an index within the scene is out of range.
+    pub fn of(scene: &'a Scene, wanted: impl Fn(&Instance) -> bool) -> Self {
         let placements: Vec<_> =
             scene.instances.iter().map(|i| Placement::new(i.world_from_object.as_dmat4())).collect();
         let mut triangles = Vec::with_capacity(scene.triangle_count());
-        for (index, (instance, placement)) in scene.instances.iter().zip(&placements).enumerate() {
+        let all = scene.instances.iter().zip(&placements).enumerate();
+        for (index, (instance, placement)) in all.filter(|(_, (instance, _))| wanted(instance)) {
             let mesh = &scene.meshes[instance.mesh];
             let material = &scene.materials[mesh.material];
             let alpha_cutoff = match material.alpha_mode {

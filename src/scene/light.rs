@@ -31,6 +31,8 @@ pub struct Light {
     pub shadow: Option<Shadow>,
     /// Whether it may move or change from frame to frame: nothing of it is made ahead (lightmaps) or kept (shadow maps).
     pub dynamic: bool,
+    /// Its light is in the scene's [lightmap](super::Scene::lightmap): it shines no more on anything, lightmap or not.
+    pub baked: bool,
     /// Lights of higher priority are kept where there are too many ([`Scene::keep_lights`](super::Scene::keep_lights)).
     pub priority: f32,
 }
@@ -142,6 +144,7 @@ impl Light {
             globe_map: None,
             shadow: None,
             dynamic: false,
+            baked: false,
             priority: 0.0,
         }
     }
@@ -177,9 +180,14 @@ impl Light {
         }
     }
 
-    /// Whether it adds nothing anywhere: no colour, no intensity, no range or no extent, or numbers that mean nothing
-    /// (negative or not finite). Such lights are left out of everything.
+    /// Whether it adds nothing anywhere: its light is baked, or it has no colour, no intensity, no range or no extent, or
+    /// numbers that mean nothing (negative or not finite). Such lights are left out of everything.
     pub fn is_dark(&self) -> bool {
+        self.baked || !self.shines()
+    }
+
+    /// Whether it sends light, baked or not.
+    pub(crate) fn shines(&self) -> bool {
         let colors = if self.has_back() { self.color.max(self.back_color) } else { self.color };
         let least = self.color.min(self.back_color).min_element();
         let shines = (colors * self.intensity()).max_element() > 0.0 && least >= 0.0;
@@ -188,7 +196,7 @@ impl Light {
             LightKind::Point { .. } | LightKind::Spot { .. } => self.range_m.is_none_or(|range| range > 0.0),
             LightKind::Box { size_m, falloff_m, .. } => size_m.min_element() > 0.0 && falloff_m >= 0.0,
         };
-        !(shines && reaches && self.is_finite())
+        shines && reaches && self.is_finite()
     }
 
     fn is_finite(&self) -> bool {

@@ -39,6 +39,11 @@ impl Emitters {
         Self { triangles, total }
     }
 
+    /// Whether nothing sends light.
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
     /// A point; `None` if nothing sends light.
     pub fn draw(&self, visibility: &Visibility, random: &mut Random) -> Option<Point> {
         if self.triangles.is_empty() {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::reference::testing::{scene_of, square};
-use crate::scene::{AlphaMode, Instance, Material, Mesh, Shadow};
+use crate::scene::{AlphaMode, Environment, Instance, Material, Mesh, Shadow};
 use glam::{Mat4, Vec3, Vec4};
 use std::f32::consts::{FRAC_PI_2, PI as PI_32};
 
@@ -201,4 +201,30 @@ fn a_receiver_inside_something_says_so() {
     assert!(enclosed(&scene));
     scene.materials[0].double_sided = true;
     assert!(!enclosed(&scene));
+}
+
+#[test]
+fn an_environment_is_found_however_small_its_sun() {
+    use crate::environment::{Panorama, direction_from_uv};
+    /// Noise, and that a texel's light is spread over its neighbours.
+    const NOISE: f64 = 0.01;
+    let (width, height) = (128, 64);
+    let sun = (37, 20);
+    let texel = |i: u32| if (i % width, i / width) == sun { Vec3::splat(900.0) } else { Vec3::splat(0.2) };
+    let picture = Panorama::new(width, height, (0..width * height).map(texel).collect()).unwrap();
+    let mut scene = scene_of(gray(0.0, 0.0), vec![(square(1e-3), Mat4::from_translation(Vec3::Z * -9.0))]);
+    let environment = Environment { rotation_deg: 200.0, intensity: 2.0, ..Environment::new("sky", picture) };
+    let center = direction_from_uv([(f64::from(sun.0) + 0.5) / 128.0, (f64::from(sun.1) + 0.5) / 64.0]);
+    let towards = glam::DQuat::from_rotation_y(200_f64.to_radians()) * center;
+    scene.environment = Some(environment);
+    let paths = Paths::new(&scene, Vec::new(), 0);
+    let facing = Receiver {
+        position_world: DVec3::ZERO,
+        normal_world: towards,
+        plane_normal_world: towards,
+    };
+    // The filter's tent around a texel has the integral of the texel's own area.
+    let area = (2.0 * PI / 128.0) * (PI / 64.0) * (PI * (f64::from(sun.1) + 0.5) / 64.0).sin();
+    let expected = 2.0 * (0.2 * PI + (900.0 - 0.2) * area);
+    assert_near(paths.irradiance(&facing, SAMPLES, 3).x, expected, NOISE);
 }

@@ -2,17 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::{DMat4, Vec2, Vec3};
+use glam::{DMat3, DMat4, Vec2, Vec3};
 use gltf::json::Index;
 use gltf::json::mesh::Semantic;
 use serde_json::{Map, Value, json};
 
 use super::accessor::{Format, Reader};
+use super::around::{self, NodeLightmap};
 use super::document::Document;
-use super::extras;
 use super::material::Materials;
 use super::mesh::{Budget, Primitive};
-use super::node::NodeTree;
+use super::node::{self, NodeTree};
 use super::source::{self, Container};
 use super::{image, load};
 use crate::scene::Scene;
@@ -92,7 +92,8 @@ impl Edit {
         Ok(edit)
     }
 
-    /// The meshes that are drawn and lit, in order of index; nodes whose extras keep them out of the lightmap are left out.
+    /// The meshes that are drawn and lit, in order of index; nodes that move, or whose extras keep them
+    /// out of the lightmap, are left out.
     ///
     /// # Errors
     /// As [`Scene::load`].
@@ -102,9 +103,10 @@ impl Edit {
         let mut surfaces: Vec<Surface> = Vec::new();
         for &node in &tree.drawn {
             let Some(mesh) = doc.root.nodes[node].mesh else { continue };
-            let extras = OntileExtras::of_node(&doc, node)?;
+            let never = around::node_lightmap(&doc, node)? == Some(NodeLightmap::Never);
             let world_from_node = tree.world_from_node[node];
-            if extras.lightmap == Some(false) || world_from_node.determinant() == 0.0 {
+            let is_flat = DMat3::from_mat4(world_from_node).determinant() == 0.0;
+            if never || is_flat || node::is_dynamic(&doc, node)? {
                 continue;
             }
             doc.get(&doc.root.meshes, "meshes", mesh, format!("nodes[{node}].mesh"))?;
@@ -194,6 +196,24 @@ impl Edit {
     /// As [`Scene::load`].
     pub fn scene(&self) -> Result<Scene> {
         load(&self.document()?)
+    }
+
+    /// The nodes whose lights stay as they are, so that a lightmap can hold them, in the order of the scene's lights; and whether
+    /// there are any lights.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn static_light_nodes(&self) -> Result<(Vec<usize>, bool)> {
+        let doc = self.document()?;
+        let tree = NodeTree::read(&doc)?;
+        let all: Vec<_> = node::light_nodes(&doc, &tree).collect();
+        let mut fixed = Vec::new();
+        for &node in &all {
+            if !node::is_dynamic(&doc, node)? {
+                fixed.push(node);
+            }
+        }
+        Ok((fixed, !all.is_empty()))
     }
 
     /// The file as GLB.
@@ -286,7 +306,7 @@ fn parts(doc: &Document, mesh: usize) -> Result<Vec<Part>> {
         if material.unlit {
             continue;
         }
-        let read = Primitive { json: primitive, name: String::new(), element };
+        let read = Primitive { json: primitive, name: String::new(), element, lightmapped: true };
         let (mut budget, mut warnings) = (Budget::default(), Vec::new());
         let Some(indices) = read.triangles(doc, &mut budget, &mut warnings)? else { continue };
         let positions = read.floats::<3>(doc, Semantic::Positions, Format::VEC3)?;

@@ -6,6 +6,7 @@ use gltf::json::camera::Type as CameraType;
 use gltf::json::extensions::scene::khr_lights_punctual as punctual;
 
 use super::document::Document;
+use super::extras;
 use crate::Result;
 use crate::scene::light::up_of;
 use crate::scene::{Camera, Light, LightKind, Projection, Shadow};
@@ -204,6 +205,24 @@ fn projection(doc: &Document, camera: &json::Camera, index: usize) -> Result<Pro
     })
 }
 
+/// Whether a node's extras say that it will move, or change if it is a light: `"dynamic": true`.
+pub fn is_dynamic(doc: &Document, node: usize) -> Result<bool> {
+    flag(doc, node, "dynamic")
+}
+
+fn flag(doc: &Document, node: usize, key: &str) -> Result<bool> {
+    let extras = &doc.root.nodes[node].extras;
+    extras::get(doc, extras, &format!("nodes[{node}]"), key).map(Option::unwrap_or_default)
+}
+
+/// The drawn nodes that have a light, in the order of [`read_lights`].
+pub fn light_nodes<'a>(doc: &'a Document, tree: &'a NodeTree) -> impl Iterator<Item = usize> + 'a {
+    let has_light = |i: &&usize| {
+        doc.root.nodes[**i].extensions.as_ref().is_some_and(|e| e.khr_lights_punctual.is_some())
+    };
+    tree.drawn.iter().filter(has_light).copied()
+}
+
 /// The lights of the drawn nodes.
 pub fn read_lights(doc: &Document, tree: &NodeTree) -> Result<Vec<Light>> {
     let defined = doc.root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
@@ -239,6 +258,8 @@ pub fn read_lights(doc: &Document, tree: &NodeTree) -> Result<Vec<Light>> {
             up_world: up_of(direction, world.y_axis.truncate()).as_vec3(),
             range_m: light.range.filter(|_| !matches!(kind, LightKind::Directional { .. })),
             shadow: Some(Shadow::default()),
+            dynamic: is_dynamic(doc, i)?,
+            baked: flag(doc, i, "baked")?,
             ..Light::new(kind)
         });
     }
