@@ -78,7 +78,7 @@ fn chart(triangles: Vec<u32>, corners: Vec<[DVec2; 3]>) -> Chart {
         DVec2::from_angle(longest.to_angle() + quarter)
     });
     let bounds = |turn: DVec2| {
-        let points = corners.iter().flatten().map(|p| turn.conjugate().rotate(*p));
+        let points = corners.iter().flatten().map(|p| unturn(turn, *p));
         points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
     };
     let area = |turn: DVec2| {
@@ -87,9 +87,14 @@ fn chart(triangles: Vec<u32>, corners: Vec<[DVec2; 3]>) -> Chart {
     };
     let turn = turns.min_by(|a, b| area(*a).total_cmp(&area(*b))).expect("there are directions");
     let (low, high) = bounds(turn);
-    let place = |p: &DVec2| turn.conjugate().rotate(*p) - low;
+    let place = |p: &DVec2| unturn(turn, *p) - low;
     let corners_m = corners.iter().map(|c| [place(&c[0]), place(&c[1]), place(&c[2])]).collect();
     Chart { triangles, corners_m, extent_m: high - low }
+}
+
+/// A point in axes that are turned to `turn`.
+fn unturn(turn: DVec2, point: DVec2) -> DVec2 {
+    DVec2::new(turn.dot(point), turn.perp_dot(point))
 }
 
 /// Which triangles share an edge, by the positions of its ends.
@@ -167,7 +172,8 @@ mod tests {
                 let ratio = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0])
                     / (b - a).cross(c - a).length();
                 assert!((MIN_COSINE - 1e-9..=1.0 + 1e-9).contains(&ratio), "{ratio}");
-                let inside = |p: &DVec2| p.min_element() >= -1e-9 && (chart.extent_m - p).min_element() >= -1e-9;
+                let inside =
+                    |p: &DVec2| p.min_element() >= -1e-9 && (chart.extent_m - p).min_element() >= -1e-9;
                 assert!(corners.iter().all(inside));
             }
         }
@@ -189,7 +195,8 @@ mod tests {
     #[test]
     fn a_box_has_six_charts() {
         let sides = [(DVec3::X, DVec3::Y), (DVec3::Y, DVec3::X), (DVec3::Y, DVec3::Z)];
-        let sides = sides.into_iter().chain([(DVec3::Z, DVec3::Y), (DVec3::Z, DVec3::X), (DVec3::X, DVec3::Z)]);
+        let sides =
+            sides.into_iter().chain([(DVec3::Z, DVec3::Y), (DVec3::Z, DVec3::X), (DVec3::X, DVec3::Z)]);
         let triangles: Vec<_> = sides
             .flat_map(|(u, v)| grid(2, move |x, y| (u * (x - 0.5)) + v * (y - 0.5) + u.cross(v) * 0.5))
             .collect();

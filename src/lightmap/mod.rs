@@ -61,7 +61,10 @@ pub fn bake(scene: &Scene, settings: &Settings, progress: impl Fn() + Sync) -> R
     let paths = Paths::new(scene, static_lights(scene), settings.bounces);
     if paths.are_dark() {
         return Err(Error::unsupported(
-            format!("scene '{}' has no light to bake: no static lights, nothing that glows, and none around", scene.name),
+            format!(
+                "scene '{}' has no light to bake: no static lights, nothing that glows, and none around",
+                scene.name
+            ),
             "add lights or an emissive surface, or ask for ambient light",
         ));
     }
@@ -117,7 +120,9 @@ fn fill_enclosed(texels: &Texels, received: &mut [Option<Received>], [width, hei
             let around = rows.flat_map(|j| columns.clone().map(move |i| (i, j)));
             let (mut sum, mut count) = (DVec3::ZERO, 0.0);
             for (i, j) in around.filter(|&(i, j)| i < width && j < height) {
-                let Some(other) = before[(j * width + i) as usize].filter(|t| !t.is_enclosed) else { continue };
+                let Some(other) = before[(j * width + i) as usize].filter(|t| !t.is_enclosed) else {
+                    continue;
+                };
                 if texels.at(i, j).chart() == chart {
                     sum += other.irradiance_lx;
                     count += 1.0;

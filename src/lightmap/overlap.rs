@@ -84,7 +84,8 @@ fn separated_by_edge(of: &[DVec2; 3], other: &[DVec2; 3]) -> bool {
             return false;
         }
         let depth = |p: &DVec2| along.perp_dot(*p - from) * height.signum();
-        let (low, high) = other.iter().map(depth).fold((f64::MAX, f64::MIN), |(l, h), d| (l.min(d), h.max(d)));
+        let (low, high) =
+            other.iter().map(depth).fold((f64::MAX, f64::MIN), |(l, h), d| (l.min(d), h.max(d)));
         high <= SLACK * height.abs().min(high - low)
     })
 }

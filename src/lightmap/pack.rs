@@ -15,14 +15,14 @@ pub fn pack(sizes: &[[u32; 2]], width: u32) -> Packed {
     let mut order: Vec<_> = (0..sizes.len()).collect();
     order.sort_by_key(|&i| (std::cmp::Reverse(sizes[i][1]), std::cmp::Reverse(sizes[i][0]), i));
     let mut places = vec![[0; 2]; sizes.len()];
-    let (mut x, mut y, mut shelf, mut widest) = (0, 0, 0, 0);
+    let (mut x, mut y, mut shelf, mut widest) = (0_u32, 0_u32, 0, 0);
     for i in order {
         let [w, h] = sizes[i];
         if x.saturating_add(w) > width {
-            (x, y, shelf) = (0, u32::saturating_add(y, shelf), 0);
+            (x, y, shelf) = (0, y.saturating_add(shelf), 0);
         }
         places[i] = [x, y];
-        x = u32::saturating_add(x, w);
+        x = x.saturating_add(w);
         shelf = shelf.max(h);
         widest = widest.max(x);
     }

@@ -83,7 +83,9 @@ pub fn prepare(path: &Path, density: Density) -> Result<Prepared> {
         (0..surfaces.len()).filter_map(|i| Some((i, unwraps[i].vertices(&parts[i], &layouts[i])?))).collect();
     let replacements: Vec<_> = vertices
         .iter()
-        .flat_map(|(i, vertices)| surfaces[*i].parts.iter().zip(vertices).map(|(part, new)| (&surfaces[*i], part, new)))
+        .flat_map(|(i, vertices)| {
+            surfaces[*i].parts.iter().zip(vertices).map(|(part, new)| (&surfaces[*i], part, new))
+        })
         .map(|(surface, part, new)| Replacement {
             mesh: surface.mesh,
             primitive: part.primitive,
@@ -107,7 +109,8 @@ impl Prepared {
     /// # Errors
     /// [`Error::Io`].
     pub fn write(mut self, lightmap: &Lightmap, path: &Path) -> Result<()> {
-        let color: Vec<u8> = lightmap.color_rgba8.chunks_exact(4).flat_map(|texel| &texel[..3]).copied().collect();
+        let color: Vec<u8> =
+            lightmap.color_rgba8.chunks_exact(4).flat_map(|texel| &texel[..3]).copied().collect();
         let size = [lightmap.width, lightmap.height];
         let color = png(path, &color, size, ExtendedColorType::Rgb8)?;
         let scale = png(path, &lightmap.scale8, size, ExtendedColorType::L8)?;
@@ -123,11 +126,8 @@ impl Prepared {
 }
 
 fn parts_of(surface: &Surface) -> Vec<Part<'_>> {
-    let part = |p| {
-        let crate::scene::edit::Part { positions, texcoords, indices, .. } = p;
-        Part { positions, texcoords, indices }
-    };
-    surface.parts.iter().map(part).collect()
+    let parts = surface.parts.iter();
+    parts.map(|p| Part { positions: &p.positions, texcoords: &p.texcoords, indices: &p.indices }).collect()
 }
 
 /// How the mesh stands where its determinant, and so about its area, is largest.
@@ -166,7 +166,9 @@ fn fit(
     };
     let fullest = |side: u32| {
         // Twice as many texels a metre need four times the space: from far too many down, then closer.
-        let mut low = (0..64).map(|i| f64::from(MAX_SIDE) * 1024.0 / f64::exp2(i.into())).find(|d| at(*d, side).is_some())?;
+        let mut low = (0..64)
+            .map(|i| f64::from(MAX_SIDE) * 1024.0 / f64::exp2(i.into()))
+            .find(|d| at(*d, side).is_some())?;
         for factor in [1.5, 1.25, 1.125, 1.0625, 1.03125] {
             low = if at(low * factor, side).is_some() { low * factor } else { low };
         }
@@ -188,7 +190,8 @@ fn fit(
             })
         }
         Density::Side(side) => fullest(side).ok_or_else(|| {
-            let what = format!("{}: its surfaces do not fit a lightmap of {side}x{side} texels", path.display());
+            let what =
+                format!("{}: its surfaces do not fit a lightmap of {side}x{side} texels", path.display());
             Error::unsupported(what, "choose a larger size, or split the scene into smaller files")
         }),
     }

@@ -182,7 +182,12 @@ mod tests {
     fn the_nearest_point_of_a_triangle() {
         let corners = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]].map(DVec2::from);
         let turned = [corners[0], corners[2], corners[1]];
-        let cases = [([1.0, 1.0], [1.0, 1.0]), ([-1.0, 2.0], [0.0, 2.0]), ([9.0, -1.0], [4.0, 0.0]), ([3.0, 3.0], [2.0, 2.0])];
+        let cases = [
+            ([1.0, 1.0], [1.0, 1.0]),
+            ([-1.0, 2.0], [0.0, 2.0]),
+            ([9.0, -1.0], [4.0, 0.0]),
+            ([3.0, 3.0], [2.0, 2.0]),
+        ];
         for (point, expected) in cases {
             for corners in [corners, turned] {
                 let (weights, nearest) = nearest_in(&corners, DVec2::from(point));

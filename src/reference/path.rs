@@ -36,8 +36,8 @@ use super::visibility::{Hit, Visibility};
 use crate::scene::{Light, LightKind, Scene};
 use emitters::Emitters;
 use far::FarLight;
-pub use sampling::Random;
-use sampling::{cosine_direction, fraction, quasi_random};
+pub use sampling::{Random, quasi_random};
+use sampling::{cosine_direction, fraction};
 
 /// Rays start this far from the surface, as a share of the largest coordinate: far above the rounding of f64, far
 /// below anything that is modelled.
@@ -174,7 +174,10 @@ impl<'a> Paths<'a> {
     fn of_environment(&self, at: &Receiver, random: &mut Random) -> DVec3 {
         let Some(direction) = self.far.draw(random) else { return DVec3::ZERO };
         let (cosine, density) = (at.normal_world.dot(direction), self.far.density(direction));
-        if cosine <= 0.0 || density <= 0.0 || self.visibility.is_blocked(&ray_from(at, direction, f64::INFINITY)) {
+        if cosine <= 0.0
+            || density <= 0.0
+            || self.visibility.is_blocked(&ray_from(at, direction, f64::INFINITY))
+        {
             return DVec3::ZERO;
         }
         self.far.radiance(direction) * (cosine / (density + cosine / PI))

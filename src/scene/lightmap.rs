@@ -55,7 +55,8 @@ impl Lightmap {
         // Any unit will do for a black map.
         let unit = if brightest > 0.0 { brightest / most } else { 1.0 };
         let byte = |x: f64| (x * 255.0).round().min(255.0) as u8;
-        let mut map = Self { width, height, color_rgba8: Vec::new(), scale8: Vec::new(), unit_lx: unit as f32 };
+        let mut map =
+            Self { width, height, color_rgba8: Vec::new(), scale8: Vec::new(), unit_lx: unit as f32 };
         for irradiance in irradiances_lx {
             let root = (irradiance / unit).map(f64::sqrt) / f64::from(Self::RGBM_SCALE);
             let scale = (root.max_element() * 255.0).ceil().clamp(1.0, 255.0);

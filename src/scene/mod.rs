@@ -15,8 +15,8 @@ mod mipmaps;
 mod surroundings;
 
 pub use camera::{Camera, Projection};
-pub(crate) use gltf::edit;
 pub use environment::Environment;
+pub(crate) use gltf::edit;
 pub use light::{GlobeMap, GlobePicture, Light, LightKind, Shadow};
 pub use lightmap::{Lightmap, LightmapRect};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};

@@ -76,7 +76,7 @@ impl Sky {
         sky
     }
 
-    /// The light in a cell, and a texel around it, since a filter spreads it that far.
+    /// The light in a cell as the bilinear filter spreads it.
     fn brightness(&self, cell: usize) -> f64 {
         let (x, y) = (cell % self.columns, cell / self.columns);
         let Some(picture) = &self.environment.panorama else {
@@ -85,12 +85,21 @@ impl Sky {
             let places = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0), at(0.5, 0.5)];
             return places.map(|uv| self.of_picture(direction_from_uv(uv)).element_sum()).iter().sum();
         };
-        let texels = picture.width() as usize / self.columns;
-        let end = |i: usize, n: u32| ((i + 1) * texels + 1).min(n as usize);
-        let start = |i: usize| (i * texels).saturating_sub(1);
-        let (width, height) = (picture.width(), picture.height());
-        let all = (start(y)..end(y, height)).flat_map(|j| (start(x)..end(x, width)).map(move |i| (i, j)));
-        all.map(|(i, j)| f64::from(picture.texels()[j * width as usize + i].element_sum())).sum()
+        let (width, height) = (picture.width() as i64, picture.height() as i64);
+        let texels = width / self.columns as i64;
+        // An eighth of a texel's tent lies beyond either side.
+        let share = |i: i64| match i {
+            _ if i == -1 || i == texels => 0.125,
+            _ => 1.0 - 0.125 * f64::from(u8::from(i == 0) + u8::from(i == texels - 1)),
+        };
+        let mut sum = 0.0;
+        for (i, j) in (-1..=texels).flat_map(|j| (-1..=texels).map(move |i| (i, j))) {
+            let column = (x as i64 * texels + i).rem_euclid(width);
+            let row = (y as i64 * texels + j).clamp(0, height - 1);
+            let texel = picture.texels()[(row * width + column) as usize];
+            sum += f64::from(texel.element_sum()) * share(i) * share(j);
+        }
+        sum
     }
 
     /// Of one cell in this row, steradians.
@@ -171,7 +180,10 @@ mod tests {
         let steps = 1000;
         let mut expected = DVec3::ZERO;
         for i in 0..steps * steps / 2 {
-            let (u, v) = ((f64::from(i % steps) + 0.5) / f64::from(steps), (f64::from(i / steps) + 0.5) * 2.0 / f64::from(steps));
+            let (u, v) = (
+                (f64::from(i % steps) + 0.5) / f64::from(steps),
+                (f64::from(i / steps) + 0.5) * 2.0 / f64::from(steps),
+            );
             let texel = TAU / f64::from(steps) * 2.0 * PI / f64::from(steps) * (PI * v).sin();
             expected += sky.radiance(direction_from_uv([u, v])) * texel;
         }

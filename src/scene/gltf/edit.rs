@@ -67,7 +67,8 @@ impl Edit {
     /// As [`Scene::load`].
     pub fn read(path: &Path) -> Result<Self> {
         let container = source::read_container(path)?;
-        let not_json = |e| Error::input(path, "JSON", format!("cannot be parsed: {e}"), "export the file again");
+        let not_json =
+            |e| Error::input(path, "JSON", format!("cannot be parsed: {e}"), "export the file again");
         let mut json: Value = serde_json::from_slice(&container.json).map_err(not_json)?;
         let doc = Document::new(path, container)?;
         let mut bin = Vec::new();
@@ -81,7 +82,9 @@ impl Edit {
         for index in 0..doc.root.images.len() {
             // An image that nothing uses may well be missing.
             let is_outside = doc.root.images[index].uri.is_some();
-            let Some(bytes) = is_outside.then(|| image::encoded_bytes(&doc, index).ok()).flatten() else { continue };
+            let Some(bytes) = is_outside.then(|| image::encoded_bytes(&doc, index).ok()).flatten() else {
+                continue;
+            };
             let view = edit.add_view(&bytes, None);
             let mime = if bytes.starts_with(b"\x89PNG") { "image/png" } else { "image/jpeg" };
             let image = &mut edit.json["images"][index];
@@ -136,14 +139,10 @@ impl Edit {
             let element = format!("meshes[{}].primitives[{}]", new.mesh, new.primitive);
             let pointer = format!("/meshes/{}/primitives/{}", new.mesh, new.primitive);
             let mut primitive = self.json.pointer(&pointer).cloned().unwrap_or_default();
+            let mut attributes = primitive["attributes"].take();
             let targets = primitive["targets"].as_array_mut().into_iter().flatten();
-            let mut lists: Vec<&mut Value> = targets.collect();
-            let (mut attributes, mut rest) = (primitive["attributes"].take(), Vec::new());
-            lists.push(&mut attributes);
-            for list in lists {
-                rest.extend(list.as_object_mut().into_iter().flat_map(Map::iter_mut));
-            }
-            for (name, index) in rest {
+            let lists = targets.chain([&mut attributes]).filter_map(Value::as_object_mut);
+            for (name, index) in lists.flat_map(Map::iter_mut) {
                 let Some(old) = index.as_u64() else { continue };
                 *index = json!(self.copy_accessor(&doc, old as usize, name, new.sources, &element)?);
             }

@@ -216,9 +216,7 @@ impl Primitive<'_> {
             mesh.normals = floats3(Semantic::Normals, Format::VEC3)?;
         }
         // Without normals, given tangents are to be ignored.
-        if material.normal_texture.is_some()
-            && !mesh.normals.is_empty()
-        {
+        if material.normal_texture.is_some() && !mesh.normals.is_empty() {
             let tangents = self.floats::<4>(doc, Semantic::Tangents, Format::VEC4)?;
             mesh.tangents = tangents.into_iter().map(Vec4::from_array).collect();
         }

@@ -18,8 +18,8 @@ mod pose;
 mod source;
 mod tangent;
 
-use std::collections::{HashMap, HashSet};
 use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use glam::{DMat3, Mat4};
@@ -53,7 +53,8 @@ impl Scene {
     pub fn load(path: &Path) -> Result<Self> {
         let mut scene = load(&Document::read(path)?)?;
         if scene.lightmap.is_none() && scene.instances.iter().any(|i| i.lightmap.is_some()) {
-            let ignored = "nodes: some have a part of a lightmap, but the file has none; they are lit without";
+            let ignored =
+                "nodes: some have a part of a lightmap, but the file has none; they are lit without";
             scene.warnings.push(ignored.into());
         }
         Ok(scene)
@@ -74,12 +75,10 @@ fn load(doc: &Document) -> Result<Scene> {
     scene.warnings.append(&mut materials.warnings);
 
     for instance in &scene.instances {
-        let bounds =
-            scene.meshes[instance.mesh].bounds().map(|b| b.transformed(&instance.world_from_object));
+        let bounds = scene.meshes[instance.mesh].bounds().map(|b| b.transformed(&instance.world_from_object));
         if let Some(Aabb { min, max }) = bounds.filter(|b| !is_representable(b)) {
             let mesh = &scene.meshes[instance.mesh].name;
-            let problem =
-                format!("mesh '{mesh}' reaches from {min} to {max}, beyond {MAX_COORDINATE_M:e} m");
+            let problem = format!("mesh '{mesh}' reaches from {min} to {max}, beyond {MAX_COORDINATE_M:e} m");
             return Err(doc.bad("nodes", problem, "scale the scene down"));
         }
     }

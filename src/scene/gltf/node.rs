@@ -217,9 +217,8 @@ fn flag(doc: &Document, node: usize, key: &str) -> Result<bool> {
 
 /// The drawn nodes that have a light, in the order of [`read_lights`].
 pub fn light_nodes<'a>(doc: &'a Document, tree: &'a NodeTree) -> impl Iterator<Item = usize> + 'a {
-    let has_light = |i: &&usize| {
-        doc.root.nodes[**i].extensions.as_ref().is_some_and(|e| e.khr_lights_punctual.is_some())
-    };
+    let has_light =
+        |i: &&usize| doc.root.nodes[**i].extensions.as_ref().is_some_and(|e| e.khr_lights_punctual.is_some());
     tree.drawn.iter().filter(has_light).copied()
 }
 
