@@ -10,6 +10,7 @@
 #define BINDING_FRAME 0
 #define BINDING_INSTANCES 1
 #define BINDING_LIGHTS 2
+#define BINDING_CLUSTERS 3
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 
@@ -61,17 +62,20 @@
 #define ID_FOLD 17
 #define ID_TONEMAP 18
 #define ID_DITHER 19
-#define ID_BACKGROUND 20
-#define ID_BACKGROUND_RED 21
-#define ID_BACKGROUND_GREEN 22
-#define ID_BACKGROUND_BLUE 23
-#define ID_FOG 24
-#define ID_FOG_RED 25
-#define ID_FOG_GREEN 26
-#define ID_FOG_BLUE 27
-#define ID_FOG_DENSITY 28
-#define ID_FOG_BASE 29
-#define ID_FOG_INVERSE_HEIGHT 30
+#define ID_HAS_BOX 20
+#define ID_HAS_HEMISPHERE 21
+#define ID_HAS_BACK 22
+#define ID_BACKGROUND 23
+#define ID_BACKGROUND_RED 24
+#define ID_BACKGROUND_GREEN 25
+#define ID_BACKGROUND_BLUE 26
+#define ID_FOG 27
+#define ID_FOG_RED 28
+#define ID_FOG_GREEN 29
+#define ID_FOG_BLUE 30
+#define ID_FOG_DENSITY 31
+#define ID_FOG_BASE 32
+#define ID_FOG_INVERSE_HEIGHT 33
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

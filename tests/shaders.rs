@@ -10,7 +10,7 @@ mod shader_manifest;
 use ontile::gpu::shader::{
     GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, embedded_names, shared,
 };
-use ontile::gpu::shared::{FrameUniforms, InstanceData, LightData, MaterialData};
+use ontile::gpu::shared::{ClusterGrid, FrameUniforms, InstanceData, LightData, MaterialData};
 use ontile::plan::Tonemap;
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;
@@ -129,7 +129,7 @@ fn names_are_unique_and_unknown_keys_are_errors() {
     assert!(tangent_only.spirv().unwrap_err().to_string().contains("geometry_t.vert"));
 }
 
-fn blocks() -> [Block; 4] {
+fn blocks() -> [Block; 5] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -144,6 +144,7 @@ fn blocks() -> [Block; 4] {
                 light_scale,
                 ambient_nt,
                 light_counts,
+                hemispheres,
             }
         ),
         block!("Instance" = InstanceData { world_from_object_rows }),
@@ -166,8 +167,15 @@ fn blocks() -> [Block; 4] {
                 spot_scale,
                 direction_world,
                 spot_offset,
+                up_world,
+                falloff,
+                back_intensity,
+                padding_0,
+                half_size,
+                padding_1,
             }
         ),
+        block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
     ]
 }
 
@@ -188,7 +196,7 @@ fn shared_structs_have_the_shaders_offsets() {
 
 #[test]
 fn wrong_offsets_are_reported() {
-    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact }.spirv().unwrap();
+    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, clusters: false }.spirv().unwrap();
     let light = &blocks()[3];
 
     // Rust's side: two members change places, one is forgotten.
@@ -244,7 +252,7 @@ fn interfaces_have_the_numbers_of_shared_h() {
 fn wrong_interfaces_are_reported() {
     let numbers = shared_numbers();
     let nutc = Module::GeometryVertex { normal: true, texcoord: true, tangent: true, color: true };
-    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128 };
+    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, clusters: false };
     for (module, decoration) in [
         (nutc, Decoration::Location),
         (nutc, Decoration::DescriptorSet),
@@ -273,7 +281,8 @@ fn fragments_read_what_vertices_write() {
         for (fragment, read) in &all {
             let (Module::GeometryFragment { textured, .. }
             | Module::Unlit { textured }
-            | Module::Forward { textured }) = *fragment
+            | Module::Forward { textured, .. }
+            | Module::Mask { textured }) = *fragment
             else {
                 continue;
             };
@@ -285,8 +294,8 @@ fn fragments_read_what_vertices_write() {
             pairs += 1;
         }
     }
-    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 6 of each.
-    assert_eq!(pairs, 6 * (10 + 6));
+    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 8 of each.
+    assert_eq!(pairs, 8 * (10 + 6));
 }
 
 #[test]
@@ -312,7 +321,7 @@ fn specialization(module: Module) -> Specialization {
     let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false, background: None, fog: None };
     match module {
         Module::GeometryVertex { .. } | Module::Fullscreen => Specialization::default(),
-        Module::GeometryFragment { .. } => geometry,
+        Module::GeometryFragment { .. } | Module::Mask { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
         Module::Forward { .. } => {
             geometry.and(LightingConstants { fold: Some(output), ..Default::default() }.specialization())

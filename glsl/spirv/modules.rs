@@ -1,6 +1,8 @@
 // Written by tools/shaders.
 embed![
     "forward.frag",
+    "forward_clusters.frag",
+    "forward_clusters_textured.frag",
     "forward_textured.frag",
     "fullscreen.vert",
     "geometry_c.vert",
@@ -22,7 +24,11 @@ embed![
     "geometry_u.vert",
     "geometry_uc.vert",
     "lighting_exact.frag",
+    "lighting_exact_clusters.frag",
     "lighting_metallic128.frag",
+    "lighting_metallic128_clusters.frag",
+    "mask.frag",
+    "mask_textured.frag",
     "tonemap.frag",
     "tonemap_fog.frag",
     "unlit.frag",

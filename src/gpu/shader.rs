@@ -96,11 +96,20 @@ pub enum Module {
     Forward {
         /// Whether the material has any texture.
         textured: bool,
+        /// Whether each pixel looks at the lights of its cluster, not at all.
+        clusters: bool,
+    },
+    /// Keeps nothing of a surface but what its alpha mask leaves.
+    Mask {
+        /// Whether the material has any texture.
+        textured: bool,
     },
     /// Shades the G-buffer by punctual lights.
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
+        /// Whether each pixel looks at the lights of its cluster, not at all.
+        clusters: bool,
     },
     /// Turns the light target into the output.
     Tonemap {
@@ -126,10 +135,13 @@ impl Module {
             for (light_target, textured) in [(false, false), (false, true), (true, false), (true, true)] {
                 all.push(Self::GeometryFragment { layout, light_target, textured });
             }
-            all.push(Self::Lighting { layout });
+            all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
-        all.extend([false, true].map(|textured| Self::Forward { textured }));
+        for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
+            all.push(Self::Forward { textured, clusters });
+        }
+        all.extend([false, true].map(|textured| Self::Mask { textured }));
         all.extend([false, true].map(|fog| Self::Tonemap { fog }));
         all.push(Self::Fullscreen);
         all
@@ -155,8 +167,14 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured } => format!("forward{}.frag", suffix(textured, "_textured")),
-            Self::Lighting { layout } => format!("lighting_{layout}.frag"),
+            Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
+            Self::Forward { textured, clusters } => {
+                let clusters = suffix(clusters, "_clusters");
+                format!("forward{clusters}{}.frag", suffix(textured, "_textured"))
+            }
+            Self::Lighting { layout, clusters } => {
+                format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
+            }
             Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
             Self::Fullscreen => "fullscreen.vert".into(),
         }
@@ -169,6 +187,7 @@ impl Module {
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
             Self::Forward { .. } => "forward.frag",
+            Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap { .. } => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
@@ -182,6 +201,7 @@ impl Module {
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
+            | Self::Mask { .. }
             | Self::Lighting { .. }
             | Self::Tonemap { .. } => Stage::Fragment,
         }
@@ -208,8 +228,11 @@ impl Module {
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
             ]),
-            Self::Unlit { textured } | Self::Forward { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Lighting { layout } => vec![layout_define(layout)],
+            Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Forward { textured, clusters } => chosen(&[(textured, "TEXTURED"), (clusters, "CLUSTERS")]),
+            Self::Lighting { layout, clusters } => {
+                chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
+            }
             Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
             Self::Fullscreen => Vec::new(),
         }

@@ -37,6 +37,7 @@ pub struct Prepared {
     /// Texels along a metre of surface, where a mesh is largest.
     pub texels_per_metre: f64,
     edit: Edit,
+    static_light_nodes: Vec<usize>,
 }
 
 /// Reads a file, makes lightmap coordinates where its TEXCOORD_1 cannot serve, and gives every node that draws something lit a part
@@ -96,11 +97,12 @@ pub fn prepare(path: &Path, density: Density) -> Result<Prepared> {
         .collect();
     edit.replace_vertices(&replacements)?;
     let mut scene = edit.scene()?;
-    if !edit.static_light_nodes()?.1 {
-        // Those that a scene without lights gets are no part of it.
-        scene.lights.clear();
-    }
-    Ok(Prepared { scene, size, texels_per_metre, edit })
+    let light_nodes = edit.light_nodes()?;
+    // Lights that a scene without any gets are no part of it.
+    scene.lights.truncate(light_nodes.len());
+    let fixed = light_nodes.into_iter().zip(&scene.lights).filter(|(_, light)| !light.dynamic);
+    let static_light_nodes = fixed.map(|(node, _)| node).collect();
+    Ok(Prepared { scene, size, texels_per_metre, edit, static_light_nodes })
 }
 
 impl Prepared {
@@ -118,7 +120,7 @@ impl Prepared {
         let scale = self.edit.add_png("lightmap scale", &scale);
         let extra = json!({"color_image": color, "scale_image": scale, "unit_lx": lightmap.unit_lx});
         self.edit.set_extra("", "lightmap", extra);
-        for node in self.edit.static_light_nodes()?.0 {
+        for node in self.static_light_nodes {
             self.edit.set_extra(&format!("/nodes/{node}"), "baked", json!(true));
         }
         file::write_whole(path, &self.edit.to_glb())

@@ -13,6 +13,7 @@ mod derive;
 mod format;
 mod layout;
 mod ledger;
+mod lights;
 mod needs;
 mod options;
 mod print;
@@ -27,9 +28,12 @@ pub use layout::{LayoutTable, Target};
 pub use ledger::{
     AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
 };
+pub use lights::ClusterBudget;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
 pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Strategy, Tonemap};
+
+use std::collections::BTreeSet;
 
 use serde::Serialize;
 
@@ -154,6 +158,8 @@ pub struct Subpass {
     pub inputs: Vec<usize>,
     /// Depth test.
     pub depth: Option<usize>,
+    /// Whether it also writes depth; else it draws only what is as near as what earlier subpasses wrote.
+    pub depth_write: bool,
     /// Not used here, but needed later.
     pub preserve: Vec<usize>,
     /// Colour bits a pixel that the tile must hold during this subpass.
@@ -186,10 +192,28 @@ pub enum Pipeline {
     /// Draws one kind of surface: into the G-buffer, or straight to the output where nothing is lit or all is lit at
     /// once (the path `forward`).
     Surface(SurfaceKind),
+    /// Draws the depth of surfaces, as [`SurfaceKind::depth`] sorts them.
+    Depth(SurfaceKind),
     /// Shades the G-buffer.
     Lighting,
     /// Applies the tone curve.
     Tonemap,
+}
+
+impl Pipeline {
+    /// Whether it draws surfaces, not all pixels.
+    pub fn is_of_surfaces(&self) -> bool {
+        matches!(self, Self::Surface(_) | Self::Depth(_))
+    }
+
+    /// Whether it draws surfaces of this kind.
+    pub fn draws(&self, kind: &SurfaceKind) -> bool {
+        match self {
+            Self::Surface(own) => own == kind,
+            Self::Depth(own) => *own == kind.depth(),
+            Self::Lighting | Self::Tonemap => false,
+        }
+    }
 }
 
 /// Everything that a frame creates and does.
@@ -209,6 +233,10 @@ pub struct Plan {
     pub path: Path,
     /// Whether the stage that lights applies the tone curve itself, so that there is no light target.
     pub folded: bool,
+    /// How lights reach pixels: what [`Options::lights`] comes to for this scene, never [`LightWay::Auto`].
+    pub light_way: LightWay,
+    /// With [`LightWay::Clusters`]: the lights of each part of the view, listed for every frame.
+    pub clusters: Option<ClusterBudget>,
     /// Decisions that a reader may wonder about.
     pub notes: Vec<String>,
 }
@@ -230,8 +258,12 @@ impl Plan {
         let attachments = derive::attachments(&frame, &places, &passes, &options);
         check_counts(&passes, &options, limits)?;
         let pipelines = pipelines(&frame, &needs);
-        let notes = notes(&needs, &options, path, &attachments, frame.folded);
-        Ok(Self { options, needs, attachments, passes, pipelines, path, folded: frame.folded, notes })
+        let (light_way, clusters, why) = lights::resolve(&needs, &options);
+        let folded = frame.folded;
+        let mut notes = notes(&needs, &options, path, &attachments, folded);
+        notes.extend(why);
+        notes.extend(clusters.map(|c| c.to_string()));
+        Ok(Self { options, needs, attachments, passes, pipelines, path, folded, light_way, clusters, notes })
     }
 
     /// Whether surfaces are lit after all are known, from a G-buffer.
@@ -297,10 +329,10 @@ fn check_ways(options: &Options) -> crate::Result<()> {
             "choose the path deferred, or leave `keep_gbuffer` out",
         ));
     }
-    if options.lights != LightWay::Fullscreen {
+    if !matches!(options.lights, LightWay::Fullscreen | LightWay::Clusters) {
         return Err(crate::Error::unsupported(
             format!("the way of lights {} is not there yet", options.lights),
-            "choose the way fullscreen",
+            "choose one of the ways fullscreen and clusters",
         ));
     }
     Ok(())
@@ -326,10 +358,14 @@ fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) -> crate::R
 
 fn pipelines(frame: &stage::Frame, needs: &Needs) -> Vec<(usize, Pipeline)> {
     let stage = |name| frame.stages.iter().position(|s| s.name == name);
-    let surfaces = needs.kinds.iter().map(|n| (0, Pipeline::Surface(n.kind)));
+    let depths: BTreeSet<_> = needs.kinds.iter().map(|n| n.kind.depth()).collect();
+    let depths =
+        stage("depth").into_iter().flat_map(|s| depths.iter().map(move |&k| (s, Pipeline::Depth(k))));
+    let surface = stage("geometry").or(stage("forward")).unwrap_or(0);
+    let surfaces = needs.kinds.iter().map(|n| (surface, Pipeline::Surface(n.kind)));
     let lighting = stage("lighting").map(|s| (s, Pipeline::Lighting));
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
-    surfaces.chain(lighting).chain(tonemap).collect()
+    depths.chain(surfaces).chain(lighting).chain(tonemap).collect()
 }
 
 fn notes(
@@ -340,6 +376,9 @@ fn notes(
     folded: bool,
 ) -> Vec<String> {
     let mut notes = Vec::new();
+    if options.depth_prepass && needs.triangles <= 1 {
+        notes.push("no triangle hides another: no depth test, so no depth pre-pass".into());
+    }
     if needs.lit.is_none() {
         notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());
     } else if path == Path::Forward {

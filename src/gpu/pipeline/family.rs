@@ -23,39 +23,55 @@ pub(in crate::gpu) enum SecondSet {
     Material { textures: u32 },
     /// `SET_INPUTS`: this many input attachments.
     Inputs { count: u32 },
+    /// There is none.
+    Nothing,
 }
 
 const FRAME: u32 = shared("BINDING_FRAME");
 const INSTANCES: u32 = shared("BINDING_INSTANCES");
 const LIGHTS: u32 = shared("BINDING_LIGHTS");
+const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 3] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 4] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
         (FRAME, T::UNIFORM_BUFFER, both),
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
         (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
     ]
 };
 
 impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
+        let clusters = plan.clusters.is_some();
         let frame: &[u32] = match pipeline {
+            Pipeline::Depth(_) => &[FRAME, INSTANCES],
             Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => &[FRAME, INSTANCES],
+            Pipeline::Surface(_) if clusters => &[FRAME, INSTANCES, LIGHTS, CLUSTERS],
             Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
+            Pipeline::Lighting if clusters => &[FRAME, LIGHTS, CLUSTERS],
             Pipeline::Lighting => &[FRAME, LIGHTS],
             Pipeline::Tonemap => &[FRAME],
         };
         let second = match pipeline {
-            Pipeline::Surface(kind) => SecondSet::Material { textures: kind.textures.count_ones() },
+            Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
+            Pipeline::Surface(kind) | Pipeline::Depth(kind) => {
+                SecondSet::Material { textures: kind.textures.count_ones() }
+            }
             Pipeline::Lighting | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
         Self { frame: frame.iter().fold(0, |bits, binding| bits | 1 << binding), second }
+    }
+
+    /// Whether the second set is a material's.
+    pub(in crate::gpu) fn has_material(self) -> bool {
+        matches!(self.second, SecondSet::Material { .. })
     }
 
     /// The bindings of `SET_FRAME`, and of the second set.
@@ -70,6 +86,7 @@ impl Family {
                     (textures > 0).then_some((images, T::COMBINED_IMAGE_SAMPLER, textures, S::FRAGMENT));
                 std::iter::once(numbers).chain(images).collect()
             }
+            SecondSet::Nothing => Vec::new(),
             SecondSet::Inputs { count } => {
                 (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT)).collect()
             }

@@ -5,8 +5,8 @@ use super::super::shader::{
 };
 use crate::plan::{Pipeline, Plan, SurfaceKind};
 
-/// Vertex and fragment shader of a pipeline, and what the latter is specialised with.
-pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Specialization) {
+/// Vertex and fragment shader of a pipeline, and what the latter is specialised with; solid depth has no fragment shader.
+pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
     let layout = plan.options.layout;
     let output = OutputConstants {
         tonemap: plan.options.tonemap,
@@ -18,9 +18,24 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
         has_directional: plan.needs.directional_lights > 0,
         has_point: plan.needs.point_lights > 0,
         has_spot: plan.needs.spot_lights > 0,
+        has_box: plan.needs.box_lights > 0,
+        has_hemisphere: plan.needs.hemisphere_lights > 0,
+        has_back: plan.needs.back_colors > 0,
         fold: plan.folded.then_some(output),
     };
-    match pipeline {
+    let clusters = plan.clusters.is_some();
+    let (vertex, fragment, constants) = match pipeline {
+        Pipeline::Depth(kind) => {
+            let textured = kind.textures != 0;
+            let vertex = Module::GeometryVertex {
+                normal: false,
+                texcoord: textured,
+                tangent: false,
+                color: kind.vertex_color,
+            };
+            let mask = kind.alpha_mask.then_some(Module::Mask { textured });
+            return (vertex, mask, surface_constants(kind).specialization());
+        }
         Pipeline::Surface(kind) => {
             let textured = kind.textures != 0;
             let constants = surface_constants(kind).specialization();
@@ -31,15 +46,18 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
             } else if kind.unlit {
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
-                (vertex, Module::Forward { textured }, constants.and(lighting.specialization()))
+                (vertex, Module::Forward { textured, clusters }, constants.and(lighting.specialization()))
             }
         }
-        Pipeline::Lighting => (Module::Fullscreen, Module::Lighting { layout }, lighting.specialization()),
+        Pipeline::Lighting => {
+            (Module::Fullscreen, Module::Lighting { layout, clusters }, lighting.specialization())
+        }
         Pipeline::Tonemap => {
             let fog = plan.needs.fog.is_some();
             (Module::Fullscreen, Module::Tonemap { fog }, output.specialization())
         }
-    }
+    };
+    (vertex, Some(fragment), constants)
 }
 
 fn vertex_module(kind: &SurfaceKind) -> Module {

@@ -10,6 +10,7 @@ use serde_json::{Map, Value, json};
 use super::accessor::{Format, Reader};
 use super::around::{self, NodeLightmap};
 use super::document::Document;
+use super::light;
 use super::material::Materials;
 use super::mesh::{Budget, Primitive};
 use super::node::{self, NodeTree};
@@ -197,22 +198,14 @@ impl Edit {
         load(&self.document()?)
     }
 
-    /// The nodes whose lights stay as they are, so that a lightmap can hold them, in the order of the scene's lights; and whether
-    /// there are any lights.
+    /// The nodes that have the scene's lights, in their order; none if the file has no lights.
     ///
     /// # Errors
     /// As [`Scene::load`].
-    pub fn static_light_nodes(&self) -> Result<(Vec<usize>, bool)> {
+    pub fn light_nodes(&self) -> Result<Vec<usize>> {
         let doc = self.document()?;
         let tree = NodeTree::read(&doc)?;
-        let all: Vec<_> = node::light_nodes(&doc, &tree).collect();
-        let mut fixed = Vec::new();
-        for &node in &all {
-            if !node::is_dynamic(&doc, node)? {
-                fixed.push(node);
-            }
-        }
-        Ok((fixed, !all.is_empty()))
+        Ok(light::nodes(&doc, &tree).collect())
     }
 
     /// The file as GLB.

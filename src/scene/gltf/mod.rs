@@ -11,6 +11,7 @@ mod document;
 pub(crate) mod edit;
 mod extras;
 mod image;
+mod light;
 mod material;
 mod mesh;
 mod node;
@@ -69,6 +70,7 @@ fn load(doc: &Document) -> Result<Scene> {
 
     let mut materials = Materials::default();
     read_meshes(doc, &tree, &mut scene, &mut materials)?;
+    scene.lights = light::read_lights(doc, &tree, &mut materials)?;
     scene.images = image::decode_all(doc, &materials.images)?;
     scene.materials = materials.materials;
     scene.textures = materials.textures;
@@ -93,7 +95,6 @@ fn load(doc: &Document) -> Result<Scene> {
     if scene.cameras.is_empty() {
         scene.cameras.push(defaults::camera(bounds));
     }
-    scene.lights = node::read_lights(doc, &tree)?;
     let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
     if scene.lights.is_empty() && is_lit && scene.lightmap.is_none() {
         scene.lights = defaults::lights(&scene.cameras[0]);
