@@ -24,6 +24,7 @@ pub mod environment;
 pub mod fog;
 pub mod frame;
 pub mod gbuffer;
+pub mod globe;
 pub mod lightmap;
 pub mod path;
 pub mod punctual;

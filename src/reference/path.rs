@@ -202,7 +202,7 @@ impl<'a> Paths<'a> {
     }
 
     fn light_of(&self, light: &Light, at: &Receiver) -> DVec3 {
-        let arriving = incident(light, at.position_world);
+        let arriving = incident(light, &self.visibility.scene.images, at.position_world);
         let from_all_around = diffuse_irradiance(light, &arriving, at.normal_world);
         let cosine = at.normal_world.dot(arriving.to_light);
         if cosine <= 0.0 || arriving.illuminance == DVec3::ZERO {

@@ -6,6 +6,7 @@
 mod budget;
 mod camera;
 mod environment;
+mod globe_layers;
 mod gltf;
 mod light;
 mod lightmap;
@@ -16,6 +17,7 @@ mod surroundings;
 
 pub use camera::{Camera, Projection};
 pub use environment::Environment;
+pub use globe_layers::GlobeLayers;
 pub(crate) use gltf::edit;
 pub use light::{GlobeMap, GlobePicture, Light, LightKind, Shadow};
 pub use lightmap::{Lightmap, LightmapRect};
