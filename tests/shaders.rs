@@ -324,7 +324,7 @@ fn vertices_have_the_attributes_of_their_key() {
 /// A value for every constant that the typed builders know for this module.
 fn specialization(module: Module) -> Specialization {
     let geometry = GeometryConstants::default().specialization();
-    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false };
+    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false, background: None, fog: None };
     match module {
         Module::GeometryVertex { .. } | Module::Fullscreen => Specialization::default(),
         Module::LightVolume => Specialization::volume(0),
@@ -336,7 +336,7 @@ fn specialization(module: Module) -> Specialization {
         Module::Lighting { .. } => {
             LightingConstants { fold: Some(output), ..Default::default() }.specialization()
         }
-        Module::Tonemap => output.specialization(),
+        Module::Tonemap { .. } => output.specialization(),
     }
 }
 

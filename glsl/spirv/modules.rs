@@ -49,6 +49,7 @@ embed![
     "mask.frag",
     "mask_textured.frag",
     "tonemap.frag",
+    "tonemap_fog.frag",
     "unlit.frag",
     "unlit_textured.frag",
 ]

@@ -116,7 +116,10 @@ pub enum Module {
         lights: LightLoop,
     },
     /// Turns the light target into the output.
-    Tonemap,
+    Tonemap {
+        /// Whether fog lies between, so that depth is read too.
+        fog: bool,
+    },
     /// One triangle over the whole image.
     Fullscreen,
     /// A mesh around what a light reaches.
@@ -171,7 +174,8 @@ impl Module {
             all.extend(AROUND.map(|around| Self::Forward { textured, clusters, around }));
         }
         all.extend([false, true].map(|textured| Self::Mask { textured }));
-        all.extend([Self::Tonemap, Self::Fullscreen, Self::LightVolume]);
+        all.extend([false, true].map(|fog| Self::Tonemap { fog }));
+        all.extend([Self::Fullscreen, Self::LightVolume]);
         all
     }
 
@@ -210,7 +214,7 @@ impl Module {
                 };
                 format!("lighting_{layout}{lights}.frag")
             }
-            Self::Tonemap => "tonemap.frag".into(),
+            Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
             Self::Fullscreen => "fullscreen.vert".into(),
             Self::LightVolume => "light_volume.vert".into(),
         }
@@ -225,7 +229,7 @@ impl Module {
             Self::Forward { .. } => "forward.frag",
             Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
-            Self::Tonemap => "tonemap.frag",
+            Self::Tonemap { .. } => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
             Self::LightVolume => "light_volume.vert",
         }
@@ -240,7 +244,7 @@ impl Module {
             | Self::Forward { .. }
             | Self::Mask { .. }
             | Self::Lighting { .. }
-            | Self::Tonemap => Stage::Fragment,
+            | Self::Tonemap { .. } => Stage::Fragment,
         }
     }
 
@@ -279,7 +283,8 @@ impl Module {
                 (lights == LightLoop::Cluster, "CLUSTERS"),
                 (lights == LightLoop::One, "ONE_LIGHT"),
             ]),
-            Self::Tonemap | Self::Fullscreen | Self::LightVolume => Vec::new(),
+            Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
+            Self::Fullscreen | Self::LightVolume => Vec::new(),
         }
     }
 
