@@ -1,0 +1,11 @@
+#version 450
+// The holes that an alpha mask cuts into a shadow; solid casters have no fragment shader.
+#extension GL_GOOGLE_include_directive : require
+#include "common.glsl"
+#include "material.glsl"
+
+void main() {
+    if (material_is_cut(material_base_color().a)) {
+        discard;
+    }
+}

@@ -1,0 +1,184 @@
+//! Shadow maps: one depth image in tiles, drawn before the main pass where something changed, sampled by what lights surfaces.
+//!
+//! Tiles are kept from frame to frame. One is drawn again when its view is another (the light was changed, or the camera has
+//! left a cascade's lattice cell), and then all of it: a tiler clears it on the tile, loads nothing and stores it once.
+
+mod casters;
+mod pipelines;
+mod tiles;
+
+use ash::vk;
+
+use super::descriptor::{Content, DescriptorSets};
+use super::shader::shared;
+use super::shared::{InstanceData, ShadowPush, ShadowViewData};
+use super::{Buffer, BufferDesc, Device, Image, ImageDesc, MemoryUse, Owned, PipelineCache, Recorder, View, conv};
+use crate::Result;
+use crate::plan::{Plan, ShadowMap};
+use crate::scene::{Aabb, Light, Scene};
+use crate::visible::{Cascades, Frustum, ShadowShape, ShadowView, Sphere};
+use casters::{Batch, Casters};
+use pipelines::{CasterPipelines, tile_pass};
+use tiles::Tiles;
+
+use super::scene_data::SceneData;
+
+/// What lighting reads: the map and where its tiles are.
+pub(super) struct ShadowResources {
+    sampler: Owned<vk::Sampler>,
+    image: Image,
+    /// One per frame slot.
+    views: Vec<Buffer>,
+}
+
+/// What recording a frame's shadows took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RecordedShadows {
+    /// Tiles that were drawn; the others were kept.
+    pub tiles: usize,
+    /// Tiles that should have been drawn, but had to wait ([`super::RendererConfig::shadow_tiles_per_frame`]).
+    pub waiting: usize,
+    /// Draw calls.
+    pub draws: usize,
+    /// Casters drawn, once for each tile.
+    pub casters: usize,
+    /// Bytes of the map that were stored.
+    pub stored_bytes: u64,
+}
+
+impl ShadowResources {
+    /// Makes the map's image.
+    ///
+    /// # Errors
+    /// [`crate::Error::Unsupported`] if the device has no such depth images to sample; [`crate::Error::Vulkan`].
+    pub(super) fn new(device: &Device, map: &ShadowMap, slots: usize) -> Result<Self> {
+        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
+        let format = conv::format(map.format);
+        let image = Image::new(device, &ImageDesc::new("shadow map", format, map.size, usage))?;
+        let views = (0..slots).map(|_| {
+            let bytes = (map.tiles.len() * size_of::<ShadowViewData>()) as u64;
+            let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+            Buffer::new(device, &BufferDesc { name: "shadow views", bytes, usage, memory: MemoryUse::Upload })
+        });
+        Ok(Self { sampler: sampler(device, format)?, image, views: views.collect::<Result<_>>()? })
+    }
+
+    /// Where a slot's tiles are.
+    pub(super) fn views(&self, slot: usize) -> &Buffer {
+        &self.views[slot]
+    }
+
+    /// The map, as it is while surfaces are lit.
+    pub(super) fn map(&self) -> vk::DescriptorImageInfo {
+        vk::DescriptorImageInfo::default()
+            .image_view(self.image.view())
+            .sampler(self.sampler.raw())
+            .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
+    }
+
+    fn allocated_bytes(&self) -> u64 {
+        self.image.allocated_bytes() + self.views.iter().map(Buffer::allocated_bytes).sum::<u64>()
+    }
+}
+
+/// Compares a depth with the four texels around a place, and interpolates where the device can.
+fn sampler(device: &Device, format: vk::Format) -> Result<Owned<vk::Sampler>> {
+    // SAFETY: the physical device is alive.
+    let properties = unsafe {
+        device.instance().get_physical_device_format_properties(device.physical_device(), format)
+    };
+    let linear = vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
+    let filter = match properties.optimal_tiling_features.contains(linear) {
+        true => vk::Filter::LINEAR,
+        false => vk::Filter::NEAREST,
+    };
+    let info = vk::SamplerCreateInfo::default()
+        .mag_filter(filter)
+        .min_filter(filter)
+        .address_mode_u(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+        .address_mode_v(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+        .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+        .compare_enable(true)
+        // Depth is reversed: lit is what is at least as near as the map's depth.
+        .compare_op(vk::CompareOp::GREATER_OR_EQUAL)
+        .max_lod(vk::LOD_CLAMP_NONE);
+    // SAFETY: the structure uses no feature and no extension.
+    unsafe { device.create_sampler(&info, "shadow map") }
+}
+
+/// Draws the shadow map of one scene.
+pub(super) struct Shadows {
+    // In order of destruction.
+    instance_sets: DescriptorSets,
+    material_sets: Option<DescriptorSets>,
+    pipelines: CasterPipelines,
+    framebuffer: Owned<vk::Framebuffer>,
+    pass: Owned<vk::RenderPass>,
+    instances: Buffer,
+    resources: ShadowResources,
+    /// Of each batch of casters, its set among `material_sets`.
+    material_set_of: Vec<Option<usize>>,
+    map: ShadowMap,
+    lights: Vec<Light>,
+    casters: Casters,
+    bounds_world: Aabb,
+    tiles: Tiles,
+    most_tiles: usize,
+}
+
+impl Shadows {
+    pub(super) fn new(
+        device: &Device,
+        scene: &Scene,
+        (plan, map): (&Plan, &ShadowMap),
+        (resources, data): (ShadowResources, &SceneData),
+        most_tiles: usize,
+        cache: &PipelineCache,
+    ) -> Result<Self> {
+        let pass = tile_pass(device, conv::format(map.format))?;
+        let pipelines = CasterPipelines::new(device, map, &pass, cache)?;
+        let views = [resources.image.view()];
+        let info = vk::FramebufferCreateInfo::default()
+            .render_pass(pass.raw())
+            .attachments(&views)
+            .width(map.size[0])
+            .height(map.size[1])
+            .layers(1);
+        // SAFETY: the view is alive and of the format that the pass was made from.
+        let framebuffer = unsafe { device.create_framebuffer(&info, "shadow map") }?;
+        let casters = Casters::new(scene, map);
+        let bytes = (casters.count() * size_of::<InstanceData>()) as u64;
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let mut instances =
+            Buffer::new(device, &BufferDesc { name: "casters", bytes, usage, memory: MemoryUse::Upload })?;
+        let content: &mut [InstanceData] = bytemuck::cast_slice_mut(instances.mapped_mut());
+        content.iter_mut().zip(casters.data()).for_each(|(to, from)| *to = from);
+        let first = &pipelines.layouts[0];
+        let instance_sets =
+            DescriptorSets::new(device, &[(first.sets[0].raw(), &first.bindings[0])], "shadow casters")?
+                .expect("one set was asked for");
+        let binding = const { shared("BINDING_INSTANCES") };
+        let content = Content::Buffer(&instances, 0, instances.size_bytes());
+        instance_sets.write(0, binding, vk::DescriptorType::STORAGE_BUFFER, &content);
+        let (material_sets, material_set_of) = material_sets(device, scene, &pipelines, &casters.batches, data)?;
+        let bounds_world = scene.bounds_world().expect("shadows are planned only where something is drawn");
+        let filter_reach = plan.options.shadows.filter;
+        let _ = filter_reach;
+        Ok(Self {
+            instance_sets,
+            material_sets,
+            pipelines,
+            framebuffer,
+            pass,
+            instances,
+            resources,
+            material_set_of,
+            map: map.clone(),
+            lights: scene.lights.clone(),
+            casters,
+            bounds_world,
+            tiles: Tiles::new(map.tiles.len()),
+            most_tiles,
+        })
+    }
+}
