@@ -18,7 +18,7 @@ fn camera(eye: Vec3, target: Vec3, projection: Projection) -> Camera {
 }
 
 fn light(kind: LightKind, position_world: Vec3, direction_world: Vec3) -> Light {
-    Light { name: "test".into(), color: Vec3::ONE, kind, position_world, direction_world, range_m: None }
+    Light { position_world, ..Light::new(kind).towards(direction_world) }
 }
 
 /// A latitude-longitude unit sphere with smooth normals.

@@ -23,6 +23,16 @@ pub struct SceneArgs {
     /// Light from every direction alike, in cd/m² [default: the scene's own]
     #[arg(long, value_name = "RADIANCE", value_parser = radiance, allow_negative_numbers = true)]
     pub ambient: Option<f32>,
+    /// Lights at most; the least important are left out: first by the priority that the scene gives them, then by the
+    /// light that they bring [default: all]
+    #[arg(long, value_name = "N")]
+    pub max_lights: Option<usize>,
+    /// Lights with shadows at most; the least important cast none
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub max_shadows: usize,
+    /// No light casts a shadow
+    #[arg(long, conflicts_with = "max_shadows")]
+    pub no_shadows: bool,
 }
 
 /// How the frame is built.

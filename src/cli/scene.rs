@@ -15,6 +15,10 @@ pub fn load(args: &SceneArgs) -> Result<Scene> {
     if let Some(ambient) = args.ambient {
         scene.ambient_nt = ontile::glam::Vec3::splat(ambient);
     }
+    if args.no_shadows {
+        scene = scene.without_shadows();
+    }
+    scene.keep_lights(args.max_lights, Some(args.max_shadows));
     for warning in &scene.warnings {
         print::warning(warning);
     }

@@ -38,7 +38,8 @@ fn defaults_are_the_librarys() {
     let args: RenderArgs = parse("scene.glb -o out.png").unwrap();
     assert_eq!(args.options(), Options::default());
     assert_eq!(args.scene.scene.to_str(), Some("scene.glb"));
-    assert_eq!((args.scene.camera, args.scene.ambient), (None, None));
+    assert_eq!((args.scene.camera, args.scene.ambient, args.scene.max_lights), (None, None, None));
+    assert_eq!((args.scene.max_shadows, args.scene.no_shadows), (8, false));
     assert_eq!((args.run.frames, args.run.report, args.run.device), (1, None, None));
     assert!(!args.run.validate && !args.run.capture);
     assert_eq!(args.plan.exposure, 0.0);
@@ -49,7 +50,7 @@ fn every_flag_arrives() {
     let args: RenderArgs = parse(
         "scene.gltf -o out.EXR --size 640x360 --camera north --strategy separate --layout exact --tonemap aces \
          --exposure -2.5 --ambient 30 --frames 9 --report r.json --device llvm --validate --capture --dither \
-         --no-recycle --no-fold",
+         --no-recycle --no-fold --max-lights 20 --max-shadows 3",
     )
     .unwrap();
     let expected = Options {
@@ -67,6 +68,7 @@ fn every_flag_arrives() {
     assert_eq!(args.output.format, FileFormat::Exr);
     assert_eq!((args.plan.exposure, args.scene.ambient), (-2.5, Some(30.0)));
     assert_eq!(args.scene.camera.as_deref(), Some("north"));
+    assert_eq!((args.scene.max_lights, args.scene.max_shadows), (Some(20), 3));
     assert_eq!((args.run.frames, args.run.device.as_deref()), (9, Some("llvm")));
     assert_eq!(args.run.report.unwrap().to_str(), Some("r.json"));
     assert!(args.run.validate && args.run.capture);
@@ -106,6 +108,8 @@ fn usage_errors_say_what_is_right() {
         ("s.glb -o o.png --exposure bright", "from -64 to 64"),
         ("s.glb -o o.png --ambient -1", "0 or more"),
         ("s.glb -o o.png --ambient inf", "0 or more"),
+        ("s.glb -o o.png --max-lights few", "--max-lights"),
+        ("s.glb -o o.png --no-shadows --max-shadows 2", "cannot be used with"),
         ("s.glb -o o.png --frames 0", "--frames"),
         ("s.glb -o o.png --unknown", "--unknown"),
     ];

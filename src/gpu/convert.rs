@@ -44,20 +44,19 @@ pub(super) fn lights(lights: &[Light]) -> (Vec<LightData>, [u32; 3]) {
 }
 
 fn light(l: &Light) -> LightData {
-    let (intensity, spot_scale, spot_offset) = match l.kind {
-        LightKind::Directional { illuminance_lx } => (illuminance_lx, 0.0, 0.0),
-        LightKind::Point { intensity_cd } => (intensity_cd, 0.0, 0.0),
-        LightKind::Spot { intensity_cd, inner_cone_rad, outer_cone_rad } => {
+    let (spot_scale, spot_offset) = match l.kind {
+        LightKind::Spot { inner_cone_rad, outer_cone_rad, .. } => {
             // KHR_lights_punctual, "Inner and Outer Cone Angles".
             let outer = outer_cone_rad.cos();
             let scale = 1.0 / (inner_cone_rad.cos() - outer).max(0.001);
-            (intensity_cd, scale, -outer * scale)
+            (scale, -outer * scale)
         }
+        _ => (0.0, 0.0),
     };
     LightData {
         position_world: l.position_world.to_array(),
         inverse_range: l.range_m.map_or(0.0, f32::recip),
-        intensity: (l.color * intensity).to_array(),
+        intensity: (l.color * l.intensity()).to_array(),
         spot_scale,
         direction_world: l.direction_world.to_array(),
         spot_offset,

@@ -159,6 +159,12 @@ pub struct Needs {
     pub point_lights: usize,
     /// Spot lights that are not dark.
     pub spot_lights: usize,
+    /// Box lights that are not dark.
+    pub box_lights: usize,
+    /// Hemisphere lights that are not dark.
+    pub hemisphere_lights: usize,
+    /// Directional and box lights that light surfaces from behind too.
+    pub back_colors: usize,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
 }
@@ -199,6 +205,11 @@ impl Needs {
             directional_lights: count(|k| matches!(k, LightKind::Directional { .. })),
             point_lights: count(|k| matches!(k, LightKind::Point { .. })),
             spot_lights: count(|k| matches!(k, LightKind::Spot { .. })),
+            box_lights: count(|k| matches!(k, LightKind::Box { .. })),
+            hemisphere_lights: count(|k| matches!(k, LightKind::Hemisphere { .. })),
+            back_colors: lights()
+                .filter(|l| l.has_back() && !matches!(l.kind, LightKind::Hemisphere { .. }))
+                .count(),
             triangles: scene.triangle_count(),
             kinds,
         }

@@ -1,4 +1,4 @@
-//! Lights of KHR_lights_punctual.
+//! Lights without extent: those of KHR_lights_punctual, boxes and hemispheres.
 
 use glam::DVec3;
 
@@ -14,6 +14,14 @@ pub struct Incident {
     pub to_light: DVec3,
     /// On a surface that faces the light, in lux, linear Rec.709.
     pub illuminance: DVec3,
+    /// On a surface that faces away from the light, in lux, as diffuse light.
+    pub back: DVec3,
+}
+
+impl Incident {
+    fn front(to_light: DVec3, illuminance: DVec3) -> Self {
+        Self { to_light, illuminance, back: DVec3::ZERO }
+    }
 }
 
 /// Smooth end of a light at its range: KHR_lights_punctual, "Range Property", without the inverse square.
@@ -36,9 +44,9 @@ pub fn spot_falloff(direction_cosine: f64, scale: f64, offset: f64) -> f64 {
     falloff * falloff
 }
 
-/// From infinitely far: the same everywhere.
-pub fn light_directional(direction_world: DVec3, color_lx: DVec3) -> Incident {
-    Incident { to_light: -direction_world, illuminance: color_lx }
+/// From infinitely far: the same everywhere. Surfaces that face away get `back_lx` (Koonce 2007, 19.4.1).
+pub fn light_directional(direction_world: DVec3, color_lx: DVec3, back_lx: DVec3) -> Incident {
+    Incident { back: back_lx, ..Incident::front(-direction_world, color_lx) }
 }
 
 /// Alike in all directions: intensity over the distance squared, within the range.
@@ -51,10 +59,8 @@ pub fn light_point(
     let way = light_world - position_world;
     let distance = way.length();
     let guarded = distance.max(MIN_DISTANCE_M);
-    Incident {
-        to_light: way / guarded,
-        illuminance: color_cd * (range_window(distance, inverse_range) / (guarded * guarded)),
-    }
+    let window = range_window(distance, inverse_range);
+    Incident::front(way / guarded, color_cd * (window / (guarded * guarded)))
 }
 
 /// A point light within a cone.
@@ -71,15 +77,33 @@ pub fn light_spot(
     Incident { illuminance: incident.illuminance * falloff, ..incident }
 }
 
-/// The light that arrives at a point, nothing standing in the way.
+/// How much of a box light there is at `position_light` (the light's frame, metres from its centre): 0 outside the
+/// box, smoothstep over the falloff inside each face, the three axes multiplied.
+///
+/// The falloff is held between [`MIN_DISTANCE_M`] and half the extent.
+pub fn box_window(position_light: DVec3, half_size_m: DVec3, falloff_m: f64) -> f64 {
+    let inside = half_size_m - position_light.abs();
+    let falloff = DVec3::splat(falloff_m.max(MIN_DISTANCE_M)).min(half_size_m);
+    let t = (inside / falloff).clamp(DVec3::ZERO, DVec3::ONE);
+    (t * t * (3.0 - 2.0 * t)).element_product()
+}
+
+/// Irradiance of a hemisphere light, lux: two half spheres of uniform radiance, of which a surface at cosine
+/// `n_dot_up` from the middle of the upper one sees the shares (1 + n·up) / 2 and (1 - n·up) / 2.
+pub fn light_hemisphere(n_dot_up: f64, color_lx: DVec3, ground_lx: DVec3) -> DVec3 {
+    ground_lx.lerp(color_lx, 0.5 + 0.5 * n_dot_up)
+}
+
+/// The light that arrives at a point from one direction, nothing standing in the way; none of hemispheres.
 pub fn incident(light: &Light, position_world: DVec3) -> Incident {
     let color = light.color.as_dvec3();
+    let back = light.back_color.as_dvec3();
     let place = light.position_world.as_dvec3();
     let direction = light.direction_world.as_dvec3();
     let inverse_range = light.range_m.map_or(0.0, |range| f64::from(range).recip());
     match light.kind {
         LightKind::Directional { illuminance_lx } => {
-            light_directional(direction, color * f64::from(illuminance_lx))
+            light_directional(direction, color * f64::from(illuminance_lx), back * f64::from(illuminance_lx))
         }
         LightKind::Point { intensity_cd } => {
             light_point(place, color * f64::from(intensity_cd), inverse_range, position_world)
@@ -92,13 +116,37 @@ pub fn incident(light: &Light, position_world: DVec3) -> Incident {
             spot_scale_offset(f64::from(inner_cone_rad), f64::from(outer_cone_rad)),
             position_world,
         ),
+        LightKind::Box { illuminance_lx, size_m, falloff_m } => {
+            let up = light.up_world.as_dvec3();
+            let from_center = position_world - place;
+            let position_light = DVec3::new(
+                from_center.dot(direction.cross(up)),
+                from_center.dot(up),
+                -from_center.dot(direction),
+            );
+            let window = box_window(position_light, size_m.as_dvec3() * 0.5, f64::from(falloff_m));
+            let amount = f64::from(illuminance_lx) * window;
+            light_directional(direction, color * amount, back * amount)
+        }
+        LightKind::Hemisphere { .. } => Incident::front(-direction, DVec3::ZERO),
+    }
+}
+
+/// Diffuse light on a surface with this normal beside what comes from one direction, lux.
+pub fn diffuse_irradiance(light: &Light, incident: &Incident, normal_world: DVec3) -> DVec3 {
+    let n_dot_l = normal_world.dot(incident.to_light);
+    match light.kind {
+        LightKind::Hemisphere { illuminance_lx } => {
+            let scale = f64::from(illuminance_lx);
+            light_hemisphere(n_dot_l, light.color.as_dvec3() * scale, light.back_color.as_dvec3() * scale)
+        }
+        _ => incident.back * (-n_dot_l).max(0.0),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::testing::light;
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
     #[test]
@@ -138,7 +186,7 @@ mod tests {
     #[test]
     fn a_point_lights_flux_does_not_depend_on_the_sphere() {
         // 1 cd in all directions is 4 pi lumens, through a sphere of any radius.
-        let mut lamp = light(LightKind::Point { intensity_cd: 1.0 });
+        let mut lamp = Light::new(LightKind::Point { intensity_cd: 1.0 });
         lamp.position_world = glam::Vec3::ZERO;
         for radius in [0.01, 1.0, 50.0] {
             let at = incident(&lamp, DVec3::new(0.0, radius, 0.0));
@@ -150,7 +198,7 @@ mod tests {
 
     #[test]
     fn kinds_and_colours() {
-        let mut lamp = light(LightKind::Directional { illuminance_lx: 3.0 });
+        let mut lamp = Light::new(LightKind::Directional { illuminance_lx: 3.0 });
         lamp.color = glam::Vec3::new(1.0, 0.5, 0.0);
         lamp.direction_world = glam::Vec3::NEG_Y;
         let at = incident(&lamp, DVec3::splat(1e3));

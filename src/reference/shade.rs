@@ -1,14 +1,17 @@
 //! Light that a surface sends to the viewer: the counterpart of the lighting stage.
 
+use std::f64::consts::FRAC_1_PI;
+
 use glam::DVec3;
 
 use super::brdf::brdf;
 use super::gbuffer::Attributes;
-use super::punctual::incident;
+use super::punctual::{diffuse_irradiance, incident};
 use crate::scene::Light;
 
 /// Reflected light of all `lights` in cd/m², before exposure: for each, BRDF * n·l * illuminance (glTF 2.0
-/// appendix B). Zero where the surface is not lit.
+/// appendix B), plus base colour / pi * irradiance of what is diffuse by definition (back colours, hemispheres; Koonce
+/// 2007, 19.4.1). Zero where the surface is not lit.
 ///
 /// `to_viewer` is the unit vector from the surface to the viewer, world space.
 pub fn reflected(attributes: &Attributes, to_viewer: DVec3, lights: &[Light]) -> DVec3 {
@@ -16,15 +19,18 @@ pub fn reflected(attributes: &Attributes, to_viewer: DVec3, lights: &[Light]) ->
         return DVec3::ZERO;
     }
     let n = attributes.normal_world;
+    let lambert = attributes.base_color * (1.0 - attributes.metallic) * FRAC_1_PI;
     lights
         .iter()
+        .filter(|light| !light.is_dark())
         .map(|light| {
-            let light = incident(light, attributes.position_world);
-            let n_dot_l = n.dot(light.to_light);
-            if n_dot_l <= 0.0 || light.illuminance == DVec3::ZERO {
-                return DVec3::ZERO;
+            let incident = incident(light, attributes.position_world);
+            let diffuse = lambert * diffuse_irradiance(light, &incident, n);
+            let n_dot_l = n.dot(incident.to_light);
+            if n_dot_l <= 0.0 || incident.illuminance == DVec3::ZERO {
+                return diffuse;
             }
-            brdf(attributes, n, to_viewer, light.to_light) * light.illuminance * n_dot_l
+            diffuse + brdf(attributes, n, to_viewer, incident.to_light) * incident.illuminance * n_dot_l
         })
         .sum()
 }

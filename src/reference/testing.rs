@@ -6,7 +6,7 @@ use glam::{DVec3, Mat4, Vec3};
 
 use super::brdf::{alpha_from_roughness, brdf};
 use super::gbuffer::Attributes;
-use crate::scene::{Camera, Instance, Light, LightKind, Material, Mesh, Projection, Scene};
+use crate::scene::{Camera, Instance, Material, Mesh, Projection, Scene};
 
 pub fn perspective(yfov_rad: f32, znear_m: f32, zfar_m: Option<f32>) -> Projection {
     Projection::Perspective { yfov_rad, znear_m, zfar_m }
@@ -20,18 +20,6 @@ pub fn orthographic() -> Projection {
 pub fn camera_at(eye: Vec3, target: Vec3, projection: Projection) -> Camera {
     let world_from_view = glam::camera::rh::view::look_at_mat4(eye, target, Vec3::Y).inverse();
     Camera { name: "test".into(), world_from_view, projection }
-}
-
-/// White, at the origin, shining along -Z, without range.
-pub fn light(kind: LightKind) -> Light {
-    Light {
-        name: "test".into(),
-        color: Vec3::ONE,
-        kind,
-        position_world: Vec3::ZERO,
-        direction_world: Vec3::NEG_Z,
-        range_m: None,
-    }
 }
 
 /// One instance of each mesh, all with one material.

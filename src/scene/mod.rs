@@ -3,6 +3,7 @@
 //! World space is right-handed with +Y up, in metres. Colours are linear Rec.709. A scene can be loaded from
 //! glTF ([`Scene::load`]) or built by hand; nothing here knows about Vulkan.
 
+mod budget;
 mod camera;
 mod gltf;
 mod light;
@@ -11,7 +12,7 @@ mod mesh;
 mod mipmaps;
 
 pub use camera::{Camera, Projection};
-pub use light::{Light, LightKind};
+pub use light::{GlobeMap, GlobePicture, Light, LightKind, Shadow};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
 pub use mipmaps::{MipLevel, mip_level_count, mipmaps};
@@ -36,7 +37,7 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Decoded pictures.
     pub images: Vec<Image>,
-    /// Punctual lights.
+    /// Lights without extent.
     pub lights: Vec<Light>,
     /// Radiance that arrives from every direction alike, in cd/m², linear Rec.709. Zero means none.
     pub ambient_nt: Vec3,

@@ -235,6 +235,10 @@ pub fn dark_lights() -> Scene {
             LightKind::Spot { inner_cone_rad, outer_cone_rad, .. } => {
                 LightKind::Spot { intensity_cd: 0.0, inner_cone_rad, outer_cone_rad }
             }
+            LightKind::Box { size_m, falloff_m, .. } => {
+                LightKind::Box { illuminance_lx: 0.0, size_m, falloff_m }
+            }
+            LightKind::Hemisphere { .. } => LightKind::Hemisphere { illuminance_lx: 0.0 },
         };
         Light { kind, ..light.clone() }
     };
@@ -262,13 +266,9 @@ fn camera() -> Camera {
 
 /// One light of each kind.
 fn lights() -> Vec<Light> {
-    let light = |name: &str, color, kind, position_world, range_m| Light {
-        name: name.into(),
-        color,
-        kind,
-        position_world,
-        direction_world: Vec3::new(-0.3, -1.0, -0.4).normalize(),
-        range_m,
+    let light = |name: &str, color, kind, position_world, range_m| {
+        let light = Light { name: name.into(), color, position_world, range_m, ..Light::new(kind) };
+        light.towards(Vec3::new(-0.3, -1.0, -0.4))
     };
     let spot = LightKind::Spot { intensity_cd: 12.0, inner_cone_rad: 0.2, outer_cone_rad: 0.5 };
     vec![

@@ -43,11 +43,8 @@ fn scene(color: Vec3) -> Scene {
         materials: vec![material(Vec3::ZERO), material(vec3(0.1, 0.2, 0.3))],
         lights: vec![Light {
             name: "light".into(),
-            color: Vec3::ONE,
-            kind: LightKind::Point { intensity_cd: 2.0 },
             position_world: vec3(0.5, 0.5, 1.5),
-            direction_world: Vec3::NEG_Z,
-            range_m: None,
+            ..Light::new(LightKind::Point { intensity_cd: 2.0 })
         }],
         cameras: vec![Camera {
             name: "camera".into(),

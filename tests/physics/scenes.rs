@@ -20,6 +20,7 @@ pub fn turned(mut scene: Scene) -> Scene {
     for light in &mut scene.lights {
         light.position_world = turn.transform_point3(light.position_world);
         light.direction_world = turn.transform_vector3(light.direction_world).normalize();
+        light.up_world = turn.transform_vector3(light.up_world).normalize();
     }
     for camera in &mut scene.cameras {
         camera.world_from_view = turn * camera.world_from_view;
@@ -45,8 +46,8 @@ fn cameras(eye: Vec3, target: Vec3) -> Vec<Camera> {
 }
 
 fn light(kind: LightKind, color: Vec3, position_world: Vec3, target: Vec3, range_m: Option<f32>) -> Light {
-    let direction_world = (target - position_world).normalize();
-    Light { name: "light".into(), color, kind, position_world, direction_world, range_m }
+    let light = Light { name: "light".into(), color, position_world, range_m, ..Light::new(kind) };
+    light.towards(target - position_world)
 }
 
 /// Base colours of 0.5 are avoided: that is the sRGB code 187.52, nearly a tie.

@@ -73,10 +73,9 @@ fn light(i: usize, position_world: Vec3) -> Light {
     Light {
         name: format!("light {i}"),
         color: hue(i + 3),
-        kind: LightKind::Point { intensity_cd: 8.0 },
         position_world,
-        direction_world: Vec3::NEG_Y,
         range_m: Some(LIGHT_RANGE_M),
+        ..Light::new(LightKind::Point { intensity_cd: 8.0 })
     }
 }
 

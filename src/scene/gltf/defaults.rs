@@ -56,15 +56,11 @@ pub fn camera(bounds: Option<Aabb>) -> Camera {
     }
 }
 
-/// A key light of 3 lx over the camera's right shoulder and a fill light of 0.8 lx from the lower left.
+/// A key light of 3 lx over the camera's right shoulder and a fill light of 0.8 lx from the lower left, without shadows.
 pub fn lights(camera: &Camera) -> Vec<Light> {
-    let light = |name: &str, illuminance_lx: f32, towards_light_view: Vec3| Light {
-        name: name.into(),
-        color: Vec3::ONE,
-        kind: LightKind::Directional { illuminance_lx },
-        position_world: Vec3::ZERO,
-        direction_world: -camera.world_from_view.transform_vector3(towards_light_view).normalize(),
-        range_m: None,
+    let light = |name: &str, illuminance_lx: f32, towards_light_view: Vec3| {
+        let light = Light { name: name.into(), ..Light::new(LightKind::Directional { illuminance_lx }) };
+        light.towards(-camera.world_from_view.transform_vector3(towards_light_view))
     };
     vec![
         light("default key", 3.0, Vec3::new(0.6, 0.8, 1.0)),

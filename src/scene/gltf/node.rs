@@ -7,7 +7,8 @@ use gltf::json::extensions::scene::khr_lights_punctual as punctual;
 
 use super::document::Document;
 use crate::Result;
-use crate::scene::{Camera, Light, LightKind, Projection};
+use crate::scene::light::up_of;
+use crate::scene::{Camera, Light, LightKind, Projection, Shadow};
 
 const REPAIR_TREE: &str = "give each node one parent at most, and list only nodes without a parent in scenes";
 
@@ -220,9 +221,9 @@ pub fn read_lights(doc: &Document, tree: &NodeTree) -> Result<Vec<Light>> {
         let kind = light_kind(doc, light, index.value())?;
         let world = &tree.world_from_node[i];
         let direction = -world.z_axis.truncate();
-        let direction_world = match (direction.try_normalize(), kind) {
-            (Some(direction), _) => direction.as_vec3(),
-            (None, LightKind::Point { .. }) => Vec3::NEG_Z,
+        let direction = match (direction.try_normalize(), kind) {
+            (Some(direction), _) => direction,
+            (None, LightKind::Point { .. }) => DVec3::NEG_Z,
             (None, _) => {
                 let problem = "has a light, but its scale of 0 leaves no direction to shine in";
                 let remedy = "give the node a scale other than 0";
@@ -233,10 +234,12 @@ pub fn read_lights(doc: &Document, tree: &NodeTree) -> Result<Vec<Light>> {
         lights.push(Light {
             name: name.unwrap_or_else(|| format!("light {}", index.value())),
             color: Vec3::from_array(light.color),
-            kind,
             position_world: world.w_axis.truncate().as_vec3(),
-            direction_world,
+            direction_world: direction.as_vec3(),
+            up_world: up_of(direction, world.y_axis.truncate()).as_vec3(),
             range_m: light.range.filter(|_| !matches!(kind, LightKind::Directional { .. })),
+            shadow: Some(Shadow::default()),
+            ..Light::new(kind)
         });
     }
     Ok(lights)
