@@ -67,6 +67,7 @@ pub mod picture;
 pub mod plan;
 pub mod reference;
 pub mod scene;
+pub mod visible;
 
 pub use error::{Error, Result};
 pub use glam;

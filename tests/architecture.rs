@@ -45,6 +45,13 @@ const RULES: &[Rule] = &[
         planted: ("src/scene/mesh.rs", "use crate::plan::Needs;"),
     },
     Rule {
+        what: "what a view sees follows from the scene alone",
+        within: &["src/visible/"],
+        except: &[],
+        words: &["ash", "vk", "gpu", "plan", "reference"],
+        planted: ("src/visible/frustum.rs", "use crate::gpu::View;"),
+    },
+    Rule {
         what: "only the loader names the glTF library",
         within: &["src/"],
         except: &["src/scene/gltf"],

@@ -5,10 +5,11 @@ mod common;
 use ash::vk;
 use common::render::{Gpu, difference, on_device, on_device_with_faults};
 use common::scenes;
+use ontile::glam::{Mat4, Vec3};
 use ontile::gpu::{Commands, Image, ImageDesc, OutputImage, Readback, Renderer, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{Layout, Load, Options, OutputFormat, Plan, Strategy, Tonemap};
-use ontile::scene::Scene;
+use ontile::scene::{Camera, Projection, Scene};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 const SIZE: [u32; 2] = [160, 90];
@@ -75,6 +76,56 @@ fn arrangements_do_not_change_the_pixels_at_odd_sizes() {
         for (layout, size) in every(Layout::ALL, &[[127, 73], [1, 1], [1, 64]]) {
             check_variants(gpu, &scene, &Options { size, layout, ..Options::default() });
         }
+    });
+}
+
+/// Where cameras see all, some and none of a scene: as it is, turned to either side and right round, in its middle, far
+/// from it with a narrow view, and with an orthographic one that cuts through.
+fn cameras(scene: &Scene) -> Vec<Camera> {
+    let first = &scene.cameras[0];
+    let turned = |y: f32| first.world_from_view * Mat4::from_rotation_y(y);
+    let center = scene.bounds_world().map_or(Vec3::ZERO, |b| b.center());
+    let perspective = |yfov_rad| Projection::Perspective { yfov_rad, znear_m: 0.05, zfar_m: None };
+    let parallel = Projection::Orthographic { xmag_m: 0.7, ymag_m: 0.7, znear_m: 0.0, zfar_m: 1.0 };
+    let far = Mat4::from_translation(center + Vec3::new(0.0, 0.0, 300.0));
+    let poses = [
+        (first.world_from_view, first.projection),
+        (turned(0.6), first.projection),
+        (turned(-0.6), first.projection),
+        (turned(std::f32::consts::PI), first.projection),
+        (Mat4::from_translation(center), perspective(2.0)),
+        (far, perspective(0.004)),
+        (Mat4::from_translation(center), parallel),
+    ];
+    let camera = |(world_from_view, projection)| Camera { name: "moved".into(), world_from_view, projection };
+    poses.map(camera).to_vec()
+}
+
+#[test]
+fn culling_does_not_change_the_pixels() {
+    on_device(None, |gpu| {
+        let (mut objects, mut lights) = ([0, 0], [0, 0]);
+        for scene in scenes::shipped().into_iter().chain(scenes::built()) {
+            let plan = gpu.plan(&scene, Options { size: SIZE, layout: Layout::Exact, ..Options::default() });
+            let make = |cull| {
+                gpu.offscreen(&scene, plan.clone(), RendererConfig { cull, ..RendererConfig::default() })
+            };
+            let mut ways = [make(false), make(true)];
+            for (index, camera) in cameras(&scene).iter().enumerate() {
+                let pictures = ways.each_mut().map(|way| {
+                    way.render(&View { camera, exposure_ev: 0.0 }).unwrap();
+                    way.picture()
+                });
+                let difference = difference(&pictures[0], &pictures[1]);
+                assert_eq!(difference, None, "{}, camera {index}", scene.name);
+                for (way, offscreen) in ways.iter().enumerate() {
+                    objects[way] += offscreen.renderer().recorded().objects;
+                    lights[way] += offscreen.renderer().recorded().lights;
+                }
+            }
+        }
+        println!("objects {objects:?} and lights {lights:?}, without and with culling");
+        assert!(objects[1] * 2 < objects[0] && lights[1] < lights[0], "next to nothing was culled");
     });
 }
 

@@ -132,6 +132,7 @@ fn draw(args: &RenderArgs, scene: &Scene, camera: &Camera, device: &Device) -> R
         frames_in_flight: 1,
         capture: args.run.capture,
         stage_timestamps: args.run.report.is_some() && !interleaved,
+        ..RendererConfig::default()
     };
     let progress = Progress::of("preparing");
     let mut offscreen = Offscreen::new(device, scene, plan, config, &cache)?;

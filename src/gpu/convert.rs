@@ -2,10 +2,10 @@
 
 use super::shared::{InstanceData, LightData, MaterialData};
 use crate::plan::SurfaceKind;
-use crate::scene::{AlphaMode, Instance, Light, LightKind, Material, TextureRef};
+use crate::scene::{AlphaMode, Light, LightKind, Material, TextureRef};
 
-pub(super) fn instance(instance: &Instance) -> InstanceData {
-    let m = instance.world_from_object;
+pub(super) fn instance(world_from_object: &glam::Mat4) -> InstanceData {
+    let m = world_from_object;
     InstanceData { world_from_object_rows: [m.row(0), m.row(1), m.row(2)].map(|r| r.to_array()) }
 }
 
@@ -29,21 +29,7 @@ pub(super) fn material(m: &Material) -> MaterialData {
     }
 }
 
-/// Directional, point and spot lights in this order, dark ones left out, and how many there are of each.
-pub(super) fn lights(lights: &[Light]) -> (Vec<LightData>, [u32; 3]) {
-    let group = |wanted: fn(&LightKind) -> bool| {
-        lights.iter().filter(move |l| !l.is_dark() && wanted(&l.kind)).map(light)
-    };
-    let groups: [Vec<_>; 3] = [
-        group(|k| matches!(k, LightKind::Directional { .. })).collect(),
-        group(|k| matches!(k, LightKind::Point { .. })).collect(),
-        group(|k| matches!(k, LightKind::Spot { .. })).collect(),
-    ];
-    let counts = [0, 1, 2].map(|i| groups[i].len() as u32);
-    (groups.concat(), counts)
-}
-
-fn light(l: &Light) -> LightData {
+pub(super) fn light(l: &Light) -> LightData {
     let (spot_scale, spot_offset) = match l.kind {
         LightKind::Spot { inner_cone_rad, outer_cone_rad, .. } => {
             // KHR_lights_punctual, "Inner and Outer Cone Angles".

@@ -25,11 +25,13 @@ pub struct RendererConfig {
     /// Take a timestamp after every subpass, not only around the frame. On tilers only the ones around the
     /// frame mean anything, since subpasses of different tiles interleave.
     pub stage_timestamps: bool,
+    /// Leave out objects and lights that the view cannot see. Same pixels.
+    pub cull: bool,
 }
 
 impl Default for RendererConfig {
     fn default() -> Self {
-        Self { frames_in_flight: 2, capture: false, stage_timestamps: false }
+        Self { frames_in_flight: 2, capture: false, stage_timestamps: false, cull: true }
     }
 }
 
@@ -67,6 +69,10 @@ pub struct Recorded {
     pub draws: usize,
     /// Bindings of pipelines, descriptor sets, vertex and index buffers.
     pub state_changes: usize,
+    /// Instances drawn; the others that have triangles were culled.
+    pub objects: usize,
+    /// Lights that reach something in view; the others that are not dark were culled.
+    pub lights: usize,
 }
 
 impl Renderer {
@@ -199,9 +205,9 @@ impl Renderer {
     ) {
         assert!(target.is_of(&self.passes), "the target was created by another renderer");
         let vk::Extent2D { width, height } = target.extent();
-        self.scene.write_frame(slot, view, &self.plan, [width, height]);
-        let mut frame =
-            Frame { renderer: self, recorder, slot, target, output, recorded: Recorded::default() };
+        let seen = self.scene.write_frame(slot, view, &self.plan, [width, height], self.config.cull);
+        let recorded = Recorded { objects: seen.objects, lights: seen.lights, ..Recorded::default() };
+        let mut frame = Frame { renderer: self, recorder, slot, target, output, recorded };
         frame.record();
         self.recorded = frame.recorded;
     }
@@ -282,6 +288,10 @@ impl Frame<'_> {
         let Renderer { plan, pipelines, scene, .. } = self.renderer;
         let mut bound = BoundMesh::default();
         for (index, (_, pipeline)) in plan.pipelines.iter().enumerate().filter(|(_, (s, _))| *s == stage) {
+            let surfaces = matches!(pipeline, Pipeline::Surface(_));
+            if surfaces && scene.objects().batches_of(index).iter().all(|b| b.visible.is_empty()) {
+                continue;
+            }
             let layout = pipelines.layout_of(index).layout.raw();
             let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
             // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
@@ -311,7 +321,7 @@ impl Frame<'_> {
     fn draw_surfaces(&mut self, pipeline: usize, layout: vk::PipelineLayout, bound: &mut BoundMesh) {
         let scene = &self.renderer.scene;
         let mut bound_material = None;
-        for batch in scene.batches_of(pipeline) {
+        for batch in scene.objects().batches_of(pipeline).iter().filter(|b| !b.visible.is_empty()) {
             if bound_material != Some(batch.material_set) {
                 self.bind_set(layout, 1, scene.material_set(batch.material_set));
                 bound_material = Some(batch.material_set);

@@ -1,54 +1,34 @@
 //! A scene on the device: buffers, textures, descriptor sets, and the order in which it is drawn.
 
 use std::collections::BTreeSet;
-use std::ops::Range;
 
 use ash::vk;
 
 use super::descriptor::{Content, DescriptorSets};
+use super::frame_data::{FrameData, Seen};
+use super::lights::Lights;
 use super::material_data::Materials;
+use super::objects::{Batch, Objects};
 use super::pipeline::{Family, Pipelines};
 use super::shader::shared;
-use super::shared::{FrameUniforms, InstanceData, LightData};
-use super::{
-    Buffer, BufferDesc, ColorEncoding, Device, Geometry, MemoryUse, Recorder, Streams, TextureKey, Textures,
-    Upload, View, convert,
-};
+use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
 use crate::Result;
 use crate::plan::{Pipeline, Plan, SLOTS, SurfaceKind};
 use crate::scene::Scene;
-
-/// Instances of one mesh that one draw call draws.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Batch {
-    /// Index into `Plan::pipelines`.
-    pub(super) pipeline: usize,
-    /// The material's descriptor set: index for [`SceneData::material_set`].
-    pub(super) material_set: usize,
-    /// Index into `Scene::meshes`.
-    mesh: usize,
-    /// Index into `Scene::materials`.
-    material: usize,
-    first_instance: u32,
-    instance_count: u32,
-}
 
 /// A scene on the device.
 pub(super) struct SceneData {
     frame_sets: Option<DescriptorSets>,
     material_sets: Option<DescriptorSets>,
     families: Vec<Family>,
-    batches: Vec<Batch>,
-    /// Of each pipeline, its part of `batches`.
-    batches_of: Vec<Range<usize>>,
-    uniforms: Vec<Buffer>,
-    instances: Option<Buffer>,
+    objects: Objects,
+    lights: Lights,
+    /// One a frame slot.
+    frames: Vec<FrameData>,
     materials: Option<Materials>,
-    lights: Buffer,
     geometry: Geometry,
     textures: Textures,
     ambient_nt: glam::Vec3,
-    light_counts: [u32; 3],
 }
 
 impl SceneData {
@@ -60,44 +40,33 @@ impl SceneData {
         slots: usize,
         upload: &mut Upload,
     ) -> Result<Self> {
-        let (batches, instances) = batches(scene, plan);
-        let geometry = Geometry::new(device, upload, &scene.meshes, &streams(scene, plan, &batches))?;
-        let textures = Textures::new(
-            device,
-            upload,
-            &scene.images,
-            &scene.textures,
-            &texture_keys(scene, plan, &batches),
-        )?;
-        let (lights, light_counts) = convert::lights(&scene.lights);
-        let uniforms = (0..slots).map(|_| {
-            let bytes = size_of::<FrameUniforms>() as u64;
-            let usage = vk::BufferUsageFlags::UNIFORM_BUFFER;
-            Buffer::new(device, &BufferDesc { name: "frame", bytes, usage, memory: MemoryUse::Upload })
-        });
+        let objects = Objects::new(scene, plan);
+        let lights = Lights::new(&scene.lights);
+        let streams = streams(scene, plan, objects.batches());
+        let geometry = Geometry::new(device, upload, &scene.meshes, &streams)?;
+        let keys = texture_keys(scene, plan, objects.batches());
+        let textures = Textures::new(device, upload, &scene.images, &scene.textures, &keys)?;
+        let frames = (0..slots).map(|_| FrameData::new(device, objects.count(), lights.count()));
         let mut data = Self {
             frame_sets: None,
             material_sets: None,
             families: pipelines.layouts.keys().copied().collect(),
-            batches_of: (0..plan.pipelines.len()).map(|p| range_of(&batches, p)).collect(),
-            batches,
-            uniforms: uniforms.collect::<Result<_>>()?,
-            instances: storage(device, upload, "instances", &instances)?,
+            frames: frames.collect::<Result<_>>()?,
+            objects,
+            lights,
             materials: Materials::new(device, upload, scene)?,
-            lights: lights_buffer(device, upload, lights)?,
             geometry,
             textures,
             ambient_nt: scene.ambient_nt,
-            light_counts,
         };
         data.write_frame_sets(device, pipelines)?;
         data.write_material_sets(device, scene, plan, pipelines)?;
         Ok(data)
     }
 
-    /// The batches that a pipeline draws, those of one material and of one mesh side by side.
-    pub(super) fn batches_of(&self, pipeline: usize) -> &[Batch] {
-        &self.batches[self.batches_of[pipeline].clone()]
+    /// What is drawn.
+    pub(super) fn objects(&self) -> &Objects {
+        &self.objects
     }
 
     /// The buffers that pipelines of this family read, for a frame slot.
@@ -115,17 +84,23 @@ impl SceneData {
 
     /// Device memory of buffers and textures.
     pub(super) fn allocated_bytes(&self) -> u64 {
-        let buffers = self.uniforms.iter().chain(&self.instances).chain([&self.lights]);
-        buffers.map(Buffer::allocated_bytes).sum::<u64>()
+        self.frames.iter().map(FrameData::allocated_bytes).sum::<u64>()
             + self.materials.as_ref().map_or(0, Materials::allocated_bytes)
             + self.geometry.allocated_bytes()
             + self.textures.allocated_bytes()
     }
 
-    /// Fills the slot's uniform block; the GPU has finished with the slot.
-    pub(super) fn write_frame(&mut self, slot: usize, view: &View<'_>, plan: &Plan, size: [u32; 2]) {
-        let uniforms = view.uniforms(plan, size, self.ambient_nt, self.light_counts);
-        self.uniforms[slot].mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
+    /// Fills the slot's buffers with what the view sees, or with all there is; the GPU has finished with the slot.
+    pub(super) fn write_frame(
+        &mut self,
+        slot: usize,
+        view: &View<'_>,
+        plan: &Plan,
+        size: [u32; 2],
+        cull: bool,
+    ) -> Seen {
+        let scene = (&mut self.objects, &self.lights);
+        self.frames[slot].write(view, plan, size, scene, self.ambient_nt, cull)
     }
 
     /// Binds what a batch's draw reads, unless `bound` says that it is bound already.
@@ -164,10 +139,10 @@ impl SceneData {
             recorder.device().raw().cmd_draw_indexed(
                 recorder.raw(),
                 range.index_count,
-                batch.instance_count,
+                batch.visible.len() as u32,
                 range.first_index,
                 range.vertex_offset,
-                batch.first_instance,
+                batch.visible.start,
             );
         }
     }
@@ -175,17 +150,16 @@ impl SceneData {
     /// One set per frame slot and family.
     fn write_frame_sets(&mut self, device: &Device, pipelines: &Pipelines) -> Result<()> {
         let layouts = pipelines.layouts.values().map(|l| (l.sets[0].raw(), l.bindings[0].as_slice()));
-        let slots = self.uniforms.len();
+        let slots = self.frames.len();
         let wanted: Vec<_> = (0..slots).flat_map(|_| layouts.clone()).collect();
         let Some(sets) = DescriptorSets::new(device, &wanted, "frame")? else { return Ok(()) };
         for (index, (_, bindings)) in wanted.iter().enumerate() {
             for &(binding, ty, ..) in *bindings {
+                let frame = &self.frames[index / self.families.len()];
                 let buffer = match binding {
-                    _ if ty == vk::DescriptorType::UNIFORM_BUFFER => {
-                        Some(&self.uniforms[index / self.families.len()])
-                    }
-                    b if b == const { shared("BINDING_INSTANCES") } => self.instances.as_ref(),
-                    _ => Some(&self.lights),
+                    _ if ty == vk::DescriptorType::UNIFORM_BUFFER => Some(&frame.uniforms),
+                    b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
+                    _ => Some(&frame.lights),
                 };
                 // Surface pipelines exist only for instances, and so do these buffers.
                 if let Some(buffer) = buffer {
@@ -206,7 +180,7 @@ impl SceneData {
         pipelines: &Pipelines,
     ) -> Result<()> {
         let mut keys: Vec<(usize, usize)> = Vec::new();
-        for batch in &mut self.batches {
+        for batch in self.objects.batches_mut() {
             let key = (batch.pipeline, batch.material);
             if keys.last() != Some(&key) {
                 keys.push(key);
@@ -263,45 +237,6 @@ fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
     }
 }
 
-/// Sorts instances by pipeline, material and mesh, so that state changes are few and equal meshes become one draw.
-fn batches(scene: &Scene, plan: &Plan) -> (Vec<Batch>, Vec<InstanceData>) {
-    let ambient = scene.ambient_nt != glam::Vec3::ZERO;
-    let mut order: Vec<_> = scene
-        .drawn_instances()
-        .map(|instance| {
-            let mesh = &scene.meshes[instance.mesh];
-            let kind =
-                SurfaceKind::new(mesh, &scene.materials[mesh.material], instance.is_mirrored(), ambient);
-            let wanted = Pipeline::Surface(kind);
-            let pipeline = plan.pipelines.iter().position(|(_, p)| *p == wanted);
-            (pipeline.expect("the plan was made for this scene"), mesh.material, instance.mesh, instance)
-        })
-        .collect();
-    order.sort_by_key(|&(pipeline, material, mesh, _)| (pipeline, material, mesh));
-    let mut batches: Vec<Batch> = Vec::new();
-    let mut data = Vec::with_capacity(order.len());
-    for (pipeline, material, mesh, instance) in order {
-        let first_instance = data.len() as u32;
-        data.push(convert::instance(instance));
-        match batches.last_mut() {
-            Some(last) if (last.pipeline, last.mesh) == (pipeline, mesh) => last.instance_count += 1,
-            _ => batches.push(Batch {
-                pipeline,
-                material_set: 0,
-                mesh,
-                material,
-                first_instance,
-                instance_count: 1,
-            }),
-        }
-    }
-    (batches, data)
-}
-
-fn range_of(batches: &[Batch], pipeline: usize) -> Range<usize> {
-    batches.partition_point(|b| b.pipeline < pipeline)..batches.partition_point(|b| b.pipeline <= pipeline)
-}
-
 /// What each mesh's pipelines read. A mesh has one material, so its pipelines differ in winding only.
 fn streams(scene: &Scene, plan: &Plan, batches: &[Batch]) -> Vec<Streams> {
     let mut streams = vec![Streams::default(); scene.meshes.len()];
@@ -345,28 +280,4 @@ fn texture_keys(scene: &Scene, plan: &Plan, batches: &[Batch]) -> Vec<TextureKey
         }
     }
     seen
-}
-
-/// A storage buffer with this content; `None` if there is none.
-fn storage<T: bytemuck::Pod>(
-    device: &Device,
-    upload: &mut Upload,
-    name: &str,
-    content: &[T],
-) -> Result<Option<Buffer>> {
-    if content.is_empty() {
-        return Ok(None);
-    }
-    let bytes = bytemuck::cast_slice(content);
-    let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
-    let desc = BufferDesc { name, bytes: bytes.len() as u64, usage, memory: MemoryUse::Device };
-    let buffer = Buffer::new(device, &desc)?;
-    upload.buffer(&buffer, 0, bytes)?;
-    Ok(Some(buffer))
-}
-
-/// A buffer cannot be empty, but a scene can be without lights; then no shader reads the one light that is dark.
-fn lights_buffer(device: &Device, upload: &mut Upload, lights: Vec<LightData>) -> Result<Buffer> {
-    let lights = if lights.is_empty() { vec![LightData::default()] } else { lights };
-    Ok(storage(device, upload, "lights", &lights)?.expect("there is at least one"))
 }

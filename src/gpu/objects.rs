@@ -1,0 +1,124 @@
+//! The scene's objects as they stand, and what of them a view sees, in the order in which it is drawn.
+
+use std::ops::Range;
+
+use super::convert;
+use super::shared::InstanceData;
+use crate::plan::{Pipeline, Plan, SurfaceKind};
+use crate::scene::{Aabb, Scene};
+use crate::visible::Frustum;
+
+/// Objects of one mesh that one draw call draws.
+#[derive(Clone, Debug)]
+pub(super) struct Batch {
+    /// Index into `Plan::pipelines`.
+    pub(super) pipeline: usize,
+    /// Index into `Scene::materials`.
+    pub(super) material: usize,
+    /// Index into `Scene::meshes`.
+    pub(super) mesh: usize,
+    /// The material's descriptor set: index for `SceneData::material_set`.
+    pub(super) material_set: usize,
+    /// Its part of `Objects::placed`.
+    placed: Range<usize>,
+    /// The part of the instance buffer that holds what of it is seen.
+    pub(super) visible: Range<u32>,
+}
+
+/// An instance that has triangles.
+struct Placed {
+    data: InstanceData,
+    bounds_world: Aabb,
+}
+
+/// All objects that have triangles, by batch.
+pub(super) struct Objects {
+    batches: Vec<Batch>,
+    /// Of each pipeline, its part of `batches`.
+    batches_of: Vec<Range<usize>>,
+    placed: Vec<Placed>,
+}
+
+impl Objects {
+    /// Sorts by pipeline, material and mesh, so that state changes are few and equal meshes become one draw.
+    pub(super) fn new(scene: &Scene, plan: &Plan) -> Self {
+        let ambient = scene.ambient_nt != glam::Vec3::ZERO;
+        let mut order: Vec<_> = scene
+            .drawn_instances()
+            .map(|instance| {
+                let mesh = &scene.meshes[instance.mesh];
+                let kind =
+                    SurfaceKind::new(mesh, &scene.materials[mesh.material], instance.is_mirrored(), ambient);
+                let wanted = Pipeline::Surface(kind);
+                let pipeline = plan.pipelines.iter().position(|(_, p)| *p == wanted);
+                (pipeline.expect("the plan was made for this scene"), mesh.material, instance.mesh, instance)
+            })
+            .collect();
+        order.sort_by_key(|&(pipeline, material, mesh, _)| (pipeline, material, mesh));
+        let bounds: Vec<_> = scene.meshes.iter().map(|mesh| mesh.bounds()).collect();
+        let mut batches: Vec<Batch> = Vec::new();
+        let mut placed = Vec::with_capacity(order.len());
+        for (pipeline, material, mesh, instance) in order {
+            let first = placed.len();
+            let bounds = bounds[mesh].expect("what has triangles has vertices");
+            placed.push(Placed {
+                data: convert::instance(&instance.world_from_object),
+                bounds_world: bounds.transformed(&instance.world_from_object),
+            });
+            match batches.last_mut() {
+                Some(last) if (last.pipeline, last.mesh) == (pipeline, mesh) => last.placed.end += 1,
+                _ => batches.push(Batch {
+                    pipeline,
+                    material,
+                    mesh,
+                    material_set: 0,
+                    placed: first..first + 1,
+                    visible: 0..0,
+                }),
+            }
+        }
+        let batches_of = (0..plan.pipelines.len()).map(|p| range_of(&batches, p)).collect();
+        Self { batches, batches_of, placed }
+    }
+
+    /// How many there are: the length of an instance buffer that can hold all of them.
+    pub(super) fn count(&self) -> usize {
+        self.placed.len()
+    }
+
+    /// All batches.
+    pub(super) fn batches(&self) -> &[Batch] {
+        &self.batches
+    }
+
+    /// All batches, to give them their materials.
+    pub(super) fn batches_mut(&mut self) -> &mut [Batch] {
+        &mut self.batches
+    }
+
+    /// The batches that a pipeline draws, those of one material and of one mesh side by side.
+    pub(super) fn batches_of(&self, pipeline: usize) -> &[Batch] {
+        &self.batches[self.batches_of[pipeline].clone()]
+    }
+
+    /// Writes what the view sees (everything without a view), batch by batch without gaps, and tells each batch where
+    /// its objects are. Returns how many they are.
+    pub(super) fn write_visible(&mut self, view: Option<&Frustum>, out: &mut [InstanceData]) -> usize {
+        let mut end = 0;
+        for batch in &mut self.batches {
+            let first = end;
+            for object in &self.placed[batch.placed.clone()] {
+                if !view.is_some_and(|view| view.misses_aabb(&object.bounds_world)) {
+                    out[end] = object.data;
+                    end += 1;
+                }
+            }
+            batch.visible = first as u32..end as u32;
+        }
+        end
+    }
+}
+
+fn range_of(batches: &[Batch], pipeline: usize) -> Range<usize> {
+    batches.partition_point(|b| b.pipeline < pipeline)..batches.partition_point(|b| b.pipeline <= pipeline)
+}
