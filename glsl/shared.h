@@ -10,6 +10,8 @@
 #define BINDING_FRAME 0
 #define BINDING_INSTANCES 1
 #define BINDING_LIGHTS 2
+#define BINDING_SHADOW_VIEWS 3
+#define BINDING_SHADOW_MAP 4
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 
@@ -60,6 +62,7 @@
 #define ID_FOLD 17
 #define ID_TONEMAP 18
 #define ID_DITHER 19
+#define ID_SHADOW_FILTER 20
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0
@@ -68,6 +71,12 @@
 #define KIND_OCCLUSION 3
 #define KIND_EMISSIVE 4
 #define KIND_COUNT 5
+
+// Values of the constant SHADOW_FILTER.
+#define SHADOW_FILTER_HARDWARE 0
+#define SHADOW_FILTER_GRID3 1
+#define SHADOW_FILTER_GRID5 2
+#define SHADOW_FILTER_JITTERED 3
 
 // Values of the constant TONEMAP.
 #define TONEMAP_NEUTRAL 0

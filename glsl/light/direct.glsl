@@ -1,13 +1,23 @@
 // What light sources add to a surface: shared by every pass that lights surfaces, deferred and forward.
 
 #include "light/punctual.glsl"
+#ifdef SHADOWS
+#include "light/shadow.glsl"
+#endif
 
 layout(constant_id = ID_HAS_DIRECTIONAL) const bool HAS_DIRECTIONAL = false;
 layout(constant_id = ID_HAS_POINT) const bool HAS_POINT = false;
 layout(constant_id = ID_HAS_SPOT) const bool HAS_SPOT = false;
 
-vec3 reflected(Surface surface, vec3 v, Incident incident) {
+// What the surface at `position` reflects of one light towards `v`.
+vec3 reflected(Surface surface, vec3 position, vec3 v, Light light, Incident incident) {
     float n_dot_l = max(dot(surface.normal_world, incident.direction), 0.0);
+#ifdef SHADOWS
+    if (light.shadow != 0u && n_dot_l > 0.0 && incident.illuminance != vec3(0.0)) {
+        incident.illuminance *=
+            shadow(light.shadow, light.position_world, position, surface.normal_world, incident.direction);
+    }
+#endif
     return brdf(surface, surface.normal_world, v, incident.direction) * (incident.illuminance * n_dot_l);
 }
 
@@ -36,17 +46,17 @@ vec3 direct_light(Surface surface, vec3 position, vec3 v) {
     vec3 sum = vec3(0.0);
     if (HAS_DIRECTIONAL) {
         for (uint i = 0u; i < point_begin; ++i) {
-            sum += reflected(surface, v, light_directional(lights[i]));
+            sum += reflected(surface, position, v, lights[i], light_directional(lights[i]));
         }
     }
     if (HAS_POINT) {
         for (uint i = point_begin; (i = next_light(i, spot_begin, surface, position)) < spot_begin; ++i) {
-            sum += reflected(surface, v, light_point(lights[i], position));
+            sum += reflected(surface, position, v, lights[i], light_point(lights[i], position));
         }
     }
     if (HAS_SPOT) {
         for (uint i = spot_begin; (i = next_light(i, spot_end, surface, position)) < spot_end; ++i) {
-            sum += reflected(surface, v, light_spot(lights[i], position));
+            sum += reflected(surface, position, v, lights[i], light_spot(lights[i], position));
         }
     }
     return sum;

@@ -8,6 +8,8 @@ struct Light {
     float spot_scale;
     vec3 direction_world; // the way the light travels
     float spot_offset;
+    uint shadow;          // shadow.glsl; 0: none
+    uint padding[3];
 };
 
 // Directional lights first, then point, then spot: frame.light_counts.

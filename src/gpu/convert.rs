@@ -46,5 +46,6 @@ pub(super) fn light(l: &Light) -> LightData {
         spot_scale,
         direction_world: l.direction_world.to_array(),
         spot_offset,
+        ..LightData::default()
     }
 }

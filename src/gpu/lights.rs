@@ -2,6 +2,7 @@
 
 use super::convert;
 use super::shared::LightData;
+use crate::plan::ShadowMap;
 use crate::scene::{Light, LightKind};
 use crate::visible::{Frustum, Reach};
 
@@ -28,10 +29,12 @@ fn kind_index(kind: &LightKind) -> usize {
 }
 
 impl Lights {
-    pub(super) fn new(lights: &[Light]) -> Self {
+    pub(super) fn new(lights: &[Light], shadow_map: Option<&ShadowMap>) -> Self {
         let mut of_kind = [const { Vec::new() }; KINDS];
-        for light in lights.iter().filter(|l| !l.is_dark()) {
-            let placed = Placed { data: convert::light(light), reach: Reach::of(light) };
+        for (index, light) in lights.iter().enumerate().filter(|(_, l)| !l.is_dark()) {
+            let shadow = shadow_map.map_or(0, |map| map.reference(index));
+            let data = LightData { shadow, ..convert::light(light) };
+            let placed = Placed { data, reach: Reach::of(light) };
             of_kind[kind_index(&light.kind)].push(placed);
         }
         Self { of_kind }

@@ -7,6 +7,7 @@ use ash::vk;
 use super::pass::create_render_pass;
 use super::pipeline::Pipelines;
 use super::scene_data::{BoundMesh, SceneData};
+use super::shadow::{RecordedShadows, ShadowResources, Shadows};
 use super::target::check_formats;
 use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
@@ -27,11 +28,14 @@ pub struct RendererConfig {
     pub stage_timestamps: bool,
     /// Leave out objects and lights that the view cannot see. Same pixels.
     pub cull: bool,
+    /// Tiles of the shadow map that one frame draws again at most, so that frames take alike. While a tile waits, its shadows
+    /// are those of when it was drawn last. Tiles that were never drawn do not wait.
+    pub shadow_tiles_per_frame: usize,
 }
 
 impl Default for RendererConfig {
     fn default() -> Self {
-        Self { frames_in_flight: 2, capture: false, stage_timestamps: false, cull: true }
+        Self { frames_in_flight: 2, capture: false, stage_timestamps: false, cull: true, shadow_tiles_per_frame: usize::MAX }
     }
 }
 
@@ -52,6 +56,7 @@ pub struct Renderer {
     // In order of destruction.
     upload: Option<Upload>,
     queries: Queries,
+    shadows: Option<Shadows>,
     scene: SceneData,
     pipelines: Pipelines,
     /// Shared with the targets: their framebuffers are of these passes.
@@ -73,6 +78,8 @@ pub struct Recorded {
     pub objects: usize,
     /// Lights that reach something in view; the others that are not dark were culled.
     pub lights: usize,
+    /// The shadow map's part; its draws and state changes are not among the above.
+    pub shadows: RecordedShadows,
 }
 
 impl Renderer {
@@ -103,13 +110,22 @@ impl Renderer {
         let pipelines = Pipelines::new(device, &plan, &passes, cache)?;
         let mut upload = Upload::new(device);
         let slot_count = config.frames_in_flight.max(1);
-        let scene = SceneData::new(device, scene, &plan, &pipelines, slot_count, &mut upload)?;
+        let map = plan.shadow_map.as_ref();
+        let resources = map.map(|map| ShadowResources::new(device, map, slot_count)).transpose()?;
+        let data =
+            SceneData::new(device, scene, &plan, &pipelines, resources.as_ref(), slot_count, &mut upload)?;
+        let shadows = map.zip(resources).map(|(map, resources)| {
+            let most = config.shadow_tiles_per_frame;
+            Shadows::new(device, scene, (&plan, map), (resources, &data), most, cache)
+        });
+        let shadows = shadows.transpose()?;
         let timestamps = if config.stage_timestamps { plan.stage_count() + 1 } else { 2 };
         let queries = Queries::new(device, timestamps as u32, slot_count as u32)?;
         Ok(Self {
             upload: Some(upload),
             queries,
-            scene,
+            shadows,
+            scene: data,
             pipelines,
             passes,
             plan,
@@ -182,7 +198,7 @@ impl Renderer {
 
     /// Device memory of the scene's buffers and textures.
     pub fn scene_bytes(&self) -> u64 {
-        self.scene.allocated_bytes()
+        self.scene.allocated_bytes() + self.shadows.as_ref().map_or(0, Shadows::allocated_bytes)
     }
 
     /// Records a frame: no allocation, no wait, no submission.
@@ -206,7 +222,18 @@ impl Renderer {
         assert!(target.is_of(&self.passes), "the target was created by another renderer");
         let vk::Extent2D { width, height } = target.extent();
         let seen = self.scene.write_frame(slot, view, &self.plan, [width, height], self.config.cull);
-        let recorded = Recorded { objects: seen.objects, lights: seen.lights, ..Recorded::default() };
+        let _label = recorder.label("ontile frame");
+        self.queries.reset(recorder, slot as u32);
+        self.queries.begin_statistics(recorder, slot as u32);
+        self.queries.timestamp(recorder, slot as u32, 0, vk::PipelineStageFlags::TOP_OF_PIPE);
+        let aspect = f64::from(width) / f64::from(height);
+        let shadows = self.shadows.as_mut().map(|s| s.record(recorder, slot, view, aspect, &self.scene));
+        let recorded = Recorded {
+            objects: seen.objects,
+            lights: seen.lights,
+            shadows: shadows.unwrap_or_default(),
+            ..Recorded::default()
+        };
         let mut frame = Frame { renderer: self, recorder, slot, target, output, recorded };
         frame.record();
         self.recorded = frame.recorded;
@@ -227,10 +254,6 @@ impl Frame<'_> {
     fn record(&mut self) {
         let Renderer { plan, passes, config, queries, .. } = self.renderer;
         let (recorder, slot) = (self.recorder, self.slot as u32);
-        let _label = recorder.label("ontile frame");
-        queries.reset(recorder, slot);
-        queries.begin_statistics(recorder, slot);
-        queries.timestamp(recorder, slot, 0, vk::PipelineStageFlags::TOP_OF_PIPE);
         let stages = plan.stage_count();
         let mut stage = 0;
         for (index, pass) in plan.passes.iter().enumerate() {

@@ -11,6 +11,7 @@ use super::material_data::Materials;
 use super::objects::{Batch, Objects};
 use super::pipeline::{Family, Pipelines};
 use super::shader::shared;
+use super::shadow::ShadowResources;
 use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
 use crate::Result;
 use crate::plan::{Pipeline, Plan, SLOTS, SurfaceKind};
@@ -37,11 +38,12 @@ impl SceneData {
         scene: &Scene,
         plan: &Plan,
         pipelines: &Pipelines,
+        shadows: Option<&ShadowResources>,
         slots: usize,
         upload: &mut Upload,
     ) -> Result<Self> {
         let objects = Objects::new(scene, plan);
-        let lights = Lights::new(&scene.lights);
+        let lights = Lights::new(&scene.lights, plan.shadow_map.as_ref());
         let streams = streams(scene, plan, objects.batches());
         let geometry = Geometry::new(device, upload, &scene.meshes, &streams)?;
         let keys = texture_keys(scene, plan, objects.batches());
@@ -59,7 +61,7 @@ impl SceneData {
             textures,
             ambient_nt: scene.ambient_nt,
         };
-        data.write_frame_sets(device, pipelines)?;
+        data.write_frame_sets(device, pipelines, shadows)?;
         data.write_material_sets(device, scene, plan, pipelines)?;
         Ok(data)
     }
@@ -67,6 +69,30 @@ impl SceneData {
     /// What is drawn.
     pub(super) fn objects(&self) -> &Objects {
         &self.objects
+    }
+
+    /// All meshes.
+    pub(super) fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// A material's uniform block.
+    pub(super) fn material_numbers(&self, material: usize) -> Option<Content<'_>> {
+        self.materials.as_ref().map(|materials| materials.content(material))
+    }
+
+    /// The base colour texture of a material that has one and is drawn.
+    pub(super) fn base_color_image(&self, scene: &Scene, material: usize) -> vk::DescriptorImageInfo {
+        let texture = scene.materials[material].base_color_texture.expect("the plan says that it is sampled");
+        self.image(TextureKey { texture: texture.texture, encoding: ColorEncoding::Srgb })
+    }
+
+    fn image(&self, key: TextureKey) -> vk::DescriptorImageInfo {
+        let (view, sampler) = self.textures.get(key).expect("uploaded by the same list");
+        vk::DescriptorImageInfo::default()
+            .image_view(view)
+            .sampler(sampler)
+            .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
     }
 
     /// The buffers that pipelines of this family read, for a frame slot.
@@ -148,17 +174,28 @@ impl SceneData {
     }
 
     /// One set per frame slot and family.
-    fn write_frame_sets(&mut self, device: &Device, pipelines: &Pipelines) -> Result<()> {
+    fn write_frame_sets(
+        &mut self,
+        device: &Device,
+        pipelines: &Pipelines,
+        shadows: Option<&ShadowResources>,
+    ) -> Result<()> {
         let layouts = pipelines.layouts.values().map(|l| (l.sets[0].raw(), l.bindings[0].as_slice()));
         let slots = self.frames.len();
         let wanted: Vec<_> = (0..slots).flat_map(|_| layouts.clone()).collect();
         let Some(sets) = DescriptorSets::new(device, &wanted, "frame")? else { return Ok(()) };
         for (index, (_, bindings)) in wanted.iter().enumerate() {
             for &(binding, ty, ..) in *bindings {
-                let frame = &self.frames[index / self.families.len()];
+                let slot = index / self.families.len();
+                let frame = &self.frames[slot];
+                if let (const { shared("BINDING_SHADOW_MAP") }, Some(shadows)) = (binding, shadows) {
+                    sets.write(index, binding, ty, &Content::Images(vec![shadows.map()]));
+                    continue;
+                }
                 let buffer = match binding {
                     _ if ty == vk::DescriptorType::UNIFORM_BUFFER => Some(&frame.uniforms),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
+                    b if b == const { shared("BINDING_SHADOW_VIEWS") } => shadows.map(|s| s.views(slot)),
                     _ => Some(&frame.lights),
                 };
                 // Surface pipelines exist only for instances, and so do these buffers.
@@ -205,13 +242,7 @@ impl SceneData {
                 &numbers,
             );
             let images: Vec<_> = material_textures(scene, surface(plan, pipeline), material)
-                .map(|key| {
-                    let (view, sampler) = self.textures.get(key).expect("uploaded by the same list");
-                    vk::DescriptorImageInfo::default()
-                        .image_view(view)
-                        .sampler(sampler)
-                        .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
-                })
+                .map(|key| self.image(key))
                 .collect();
             if !images.is_empty() {
                 let ty = vk::DescriptorType::COMBINED_IMAGE_SAMPLER;

@@ -96,11 +96,27 @@ pub enum Module {
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
+        /// Whether lights cast shadows.
+        shadows: bool,
     },
     /// Turns the light target into the output.
     Tonemap,
     /// One triangle over the whole image.
     Fullscreen,
+    /// Places a caster in the shadow map. Coordinates and colours are for masks only.
+    ShadowVertex {
+        /// Whether an alpha mask cuts the surface.
+        masked: bool,
+        /// Texture coordinates.
+        texcoord: bool,
+        /// Vertex colours.
+        color: bool,
+    },
+    /// Cuts the shadow of an alpha mask.
+    ShadowFragment {
+        /// Whether the mask samples a texture.
+        textured: bool,
+    },
 }
 
 impl Module {
@@ -118,10 +134,16 @@ impl Module {
             for (light_target, textured) in [(false, false), (false, true), (true, false), (true, true)] {
                 all.push(Self::GeometryFragment { layout, light_target, textured });
             }
-            all.push(Self::Lighting { layout });
+            all.extend([false, true].map(|shadows| Self::Lighting { layout, shadows }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
         all.extend([Self::Tonemap, Self::Fullscreen]);
+        for (masked, texcoord, color) in
+            [(false, false, false), (true, true, false), (true, false, true), (true, true, true)]
+        {
+            all.push(Self::ShadowVertex { masked, texcoord, color });
+        }
+        all.extend([false, true].map(|textured| Self::ShadowFragment { textured }));
         all
     }
 
@@ -145,7 +167,14 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
-            Self::Lighting { layout } => format!("lighting_{layout}.frag"),
+            Self::Lighting { layout, shadows } => {
+                format!("lighting_{layout}{}.frag", suffix(shadows, "_shadows"))
+            }
+            Self::ShadowVertex { masked: false, .. } => "shadow.vert".into(),
+            Self::ShadowVertex { texcoord, color, .. } => {
+                format!("shadow_masked_{}{}.vert", suffix(texcoord, "u"), suffix(color, "c"))
+            }
+            Self::ShadowFragment { textured } => format!("shadow{}.frag", suffix(textured, "_textured")),
             Self::Tonemap => "tonemap.frag".into(),
             Self::Fullscreen => "fullscreen.vert".into(),
         }
@@ -160,16 +189,20 @@ impl Module {
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
+            Self::ShadowVertex { .. } => "shadow.vert",
+            Self::ShadowFragment { .. } => "shadow.frag",
         }
     }
 
     /// The stage that it is for.
     pub fn stage(self) -> Stage {
         match self {
-            Self::GeometryVertex { .. } | Self::Fullscreen => Stage::Vertex,
-            Self::GeometryFragment { .. } | Self::Unlit { .. } | Self::Lighting { .. } | Self::Tonemap => {
-                Stage::Fragment
-            }
+            Self::GeometryVertex { .. } | Self::Fullscreen | Self::ShadowVertex { .. } => Stage::Vertex,
+            Self::GeometryFragment { .. }
+            | Self::Unlit { .. }
+            | Self::Lighting { .. }
+            | Self::Tonemap
+            | Self::ShadowFragment { .. } => Stage::Fragment,
         }
     }
 
@@ -195,7 +228,13 @@ impl Module {
                 (textured, "TEXTURED"),
             ]),
             Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Lighting { layout } => vec![layout_define(layout)],
+            Self::Lighting { layout, shadows } => {
+                chosen(&[(true, layout_define(layout)), (shadows, "SHADOWS")])
+            }
+            Self::ShadowVertex { masked, texcoord, color } => {
+                chosen(&[(masked, "MASKED"), (texcoord, "HAS_TEXCOORD"), (color, "HAS_COLOR")])
+            }
+            Self::ShadowFragment { textured } => chosen(&[(textured, "TEXTURED")]),
             Self::Tonemap | Self::Fullscreen => Vec::new(),
         }
     }

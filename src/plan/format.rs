@@ -23,6 +23,8 @@ named_enum! {
         Rgba32Float = "rgba32f",
         /// 32-bit float depth.
         D32Float = "d32f",
+        /// 16-bit unsigned normalised depth.
+        D16Unorm = "d16",
     }
 }
 
@@ -36,6 +38,7 @@ impl Format {
             | Self::Bgra8Srgb
             | Self::Rgb10a2Unorm
             | Self::D32Float => 32,
+            Self::D16Unorm => 16,
             Self::Rgba16Float => 64,
             Self::Rgba32Float => 128,
         }
@@ -48,7 +51,7 @@ impl Format {
 
     /// Whether this is a depth format.
     pub const fn is_depth(self) -> bool {
-        matches!(self, Self::D32Float)
+        matches!(self, Self::D32Float | Self::D16Unorm)
     }
 }
 

@@ -16,6 +16,7 @@ mod ledger;
 mod needs;
 mod options;
 mod print;
+mod shadow;
 mod stage;
 #[cfg(test)]
 mod tests;
@@ -28,7 +29,11 @@ pub use ledger::{
     AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
 };
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
-pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Strategy, Tonemap};
+pub use options::{
+    Layout, LightWay, Options, OutputFormat, OutputUse, Path, ShadowFilter, ShadowFormat, ShadowOptions,
+    Strategy, Tonemap,
+};
+pub use shadow::{CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, spread_texels};
 
 use serde::Serialize;
 
@@ -205,6 +210,8 @@ pub struct Plan {
     pub pipelines: Vec<(usize, Pipeline)>,
     /// Whether lighting applies the tone curve itself, so that there is no light target.
     pub folded: bool,
+    /// The shadow map, where lights cast shadows; it is drawn before the first pass.
+    pub shadow_map: Option<ShadowMap>,
     /// Decisions that a reader may wonder about.
     pub notes: Vec<String>,
 }
@@ -225,8 +232,10 @@ impl Plan {
         let attachments = derive::attachments(&frame, &places, &passes, &options);
         check_counts(&passes, &options, limits)?;
         let pipelines = pipelines(&frame, &needs);
-        let notes = notes(&needs, &options, &attachments, frame.folded);
-        Ok(Self { options, needs, attachments, passes, pipelines, folded: frame.folded, notes })
+        let mut notes = notes(&needs, &options, &attachments, frame.folded);
+        let (shadow_map, shadow_notes) = ShadowMap::new(&needs.shadows, &options, limits);
+        notes.extend(shadow_notes);
+        Ok(Self { options, needs, attachments, passes, pipelines, folded: frame.folded, shadow_map, notes })
     }
 
     /// Whether a light target exists.

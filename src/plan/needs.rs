@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::ShadowNeeds;
 use crate::scene::{AlphaMode, LightKind, Material, Mesh, Scene, TextureRef};
 
 /// The texture slots of a material, in the order of shader slots.
@@ -165,6 +166,8 @@ pub struct Needs {
     pub hemisphere_lights: usize,
     /// Directional and box lights that light surfaces from behind too.
     pub back_colors: usize,
+    /// Lights that cast shadows, and what casts them.
+    pub shadows: ShadowNeeds,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
 }
@@ -187,6 +190,12 @@ impl Needs {
                 })
                 .instances += 1;
         }
+        let surfaces = scene.drawn_instances().map(|instance| {
+            let mesh = &scene.meshes[instance.mesh];
+            let material = &scene.materials[mesh.material];
+            (SurfaceKind::new(mesh, material, instance.is_mirrored(), ambient), mesh.material)
+        });
+        let shadows = ShadowNeeds::new(scene, surfaces);
         let kinds: Vec<_> = kinds.into_values().collect();
         let first = |wanted: fn(&SurfaceKind) -> bool| kinds.iter().find(|n| wanted(&n.kind));
         let lit = first(|k| !k.unlit).map(|n| n.why.clone());
@@ -210,6 +219,7 @@ impl Needs {
             back_colors: lights()
                 .filter(|l| l.has_back() && !matches!(l.kind, LightKind::Hemisphere { .. }))
                 .count(),
+            shadows,
             triangles: scene.triangle_count(),
             kinds,
         }

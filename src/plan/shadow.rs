@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::{Format, Limits, Needs, Options, SurfaceKind};
+use super::{Format, Limits, Options, ShadowFormat, SurfaceKind};
 use crate::scene::{AlphaMode, Material, Scene, Shadow};
 use crate::visible::{MOST_CASCADES, ShadowShape, TileSize};
 
@@ -95,9 +95,6 @@ pub struct ShadowNeeds {
 }
 
 impl ShadowNeeds {
-    /// Filters read this much beyond their radius: the texel that holds a sample's place, and one for rounding.
-    const GUARD_TEXELS: u32 = 2;
-
     /// Of a scene whose surfaces are of these kinds, in the order of its drawn instances.
     pub(super) fn new(scene: &Scene, kinds: impl Iterator<Item = (SurfaceKind, usize)>) -> Self {
         let mut casters = std::collections::BTreeSet::new();
@@ -127,7 +124,7 @@ impl ShadowNeeds {
                 name: scene.lights[light].name.clone(),
                 shape,
                 guard_texels: scene.lights[light].shadow.map_or(0, spread_texels).ceil() as u32
-                    + Self::GUARD_TEXELS,
+                    + ShadowMap::FILTER_MARGIN,
             })
             .collect();
         match lights.is_empty() {
@@ -149,7 +146,6 @@ pub struct ShadowLight {
     /// Its tiles, one a view: a part of [`ShadowMap::tiles`].
     pub tiles: Range<usize>,
     /// Their size.
-    #[serde(skip)]
     pub size: TileSize,
 }
 
@@ -186,6 +182,9 @@ const LEAST_TEXELS: u32 = 128;
 const MOST_DEFAULT_TEXELS: u32 = 2048;
 
 impl ShadowMap {
+    /// Filters read this much beyond their radius: the texel that holds a sample's place, and one for rounding.
+    pub const FILTER_MARGIN: u32 = 2;
+
     /// Gives each light its tiles; `None` if no light casts shadows. Second are notes on lights that got less than they
     /// asked for.
     ///
@@ -257,12 +256,21 @@ impl ShadowMap {
             used += u64::from(tile.texels).pow(2);
         }
         Self {
-            format: options.shadows.format,
+            format: match options.shadows.format {
+                ShadowFormat::D32 => Format::D32Float,
+                ShadowFormat::D16 => Format::D16Unorm,
+            },
             size: size.map(|s| s as u32),
             lights,
             tiles,
             casters: needs.casters.clone(),
         }
+    }
+
+    /// What a light's `shadow` is on the GPU: its first tile + 1 and, 16 bits up, their number; 0 if it has none.
+    pub fn reference(&self, light: usize) -> u32 {
+        let lights = self.lights.iter().find(|l| l.light == light);
+        lights.map_or(0, |l| (l.tiles.start as u32 + 1) | (l.tiles.len() as u32) << 16)
     }
 
     /// Bytes of the whole image.

@@ -52,7 +52,7 @@ impl ShadowShape {
 }
 
 /// A square part of a shadow map: how many texels it has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct TileSize {
     /// Along a side.
     pub texels: u32,

@@ -28,15 +28,19 @@ pub(in crate::gpu) enum SecondSet {
 const FRAME: u32 = shared("BINDING_FRAME");
 const INSTANCES: u32 = shared("BINDING_INSTANCES");
 const LIGHTS: u32 = shared("BINDING_LIGHTS");
+const SHADOW_VIEWS: u32 = shared("BINDING_SHADOW_VIEWS");
+const SHADOW_MAP: u32 = shared("BINDING_SHADOW_MAP");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 3] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 5] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
         (FRAME, T::UNIFORM_BUFFER, both),
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
         (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (SHADOW_VIEWS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (SHADOW_MAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
     ]
 };
 
@@ -45,6 +49,7 @@ impl Family {
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
         let frame: &[u32] = match pipeline {
             Pipeline::Surface(_) => &[FRAME, INSTANCES],
+            Pipeline::Lighting if plan.shadow_map.is_some() => &[FRAME, LIGHTS, SHADOW_VIEWS, SHADOW_MAP],
             Pipeline::Lighting => &[FRAME, LIGHTS],
             Pipeline::Tonemap => &[FRAME],
         };

@@ -27,9 +27,11 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
                 has_directional: plan.needs.directional_lights > 0,
                 has_point: plan.needs.point_lights > 0,
                 has_spot: plan.needs.spot_lights > 0,
+                shadow_filter: plan.shadow_map.is_some().then_some(plan.options.shadows.filter),
                 fold: plan.folded.then_some(output),
             };
-            (Module::Fullscreen, Module::Lighting { layout }, constants.specialization())
+            let shadows = plan.shadow_map.is_some();
+            (Module::Fullscreen, Module::Lighting { layout, shadows }, constants.specialization())
         }
         Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
     }

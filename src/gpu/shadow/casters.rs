@@ -1,5 +1,7 @@
 //! What casts shadows, in the order in which it is drawn.
 
+use std::ops::Range;
+
 use super::super::convert;
 use super::super::shared::InstanceData;
 use crate::plan::{CasterKind, ShadowMap, SurfaceKind};
@@ -16,7 +18,7 @@ pub(super) struct Batch {
     /// Index into `Scene::meshes`.
     pub(super) mesh: usize,
     /// Its part of the casters.
-    pub(super) casters: std::ops::Range<usize>,
+    pub(super) casters: Range<usize>,
 }
 
 struct Caster {
@@ -51,7 +53,7 @@ impl Casters {
             let first = casters.len();
             let bounds = scene.meshes[mesh].bounds().expect("what has triangles has vertices");
             casters.push(Caster {
-                data: convert::instance(instance),
+                data: convert::instance(&instance.world_from_object),
                 bounds_world: bounds.transformed(&instance.world_from_object),
             });
             match batches.last_mut() {
@@ -71,19 +73,19 @@ impl Casters {
         self.casters.iter().map(|caster| caster.data)
     }
 
-    /// Calls `draw` with every longest run of casters of a batch that may be in the view.
-    pub(super) fn in_view(&self, view: &Frustum, mut draw: impl FnMut(&Batch, std::ops::Range<usize>)) {
-        for batch in &self.batches {
+    /// Calls `draw` with every longest run of casters of a batch (with its index) that may be in the view.
+    pub(super) fn in_view(&self, view: &Frustum, mut draw: impl FnMut(usize, &Batch, Range<usize>)) {
+        for (index, batch) in self.batches.iter().enumerate() {
             let mut next = batch.casters.start;
             while let Some(run) = self.run(view, next..batch.casters.end) {
                 next = run.end;
-                draw(batch, run);
+                draw(index, batch, run);
             }
         }
     }
 
     /// The first run of casters among these that may be in the view.
-    fn run(&self, view: &Frustum, range: std::ops::Range<usize>) -> Option<std::ops::Range<usize>> {
+    fn run(&self, view: &Frustum, range: Range<usize>) -> Option<Range<usize>> {
         let seen = |i: &usize| !view.misses_aabb(&self.casters[*i].bounds_world);
         let first = range.clone().find(seen)?;
         let end = (first + 1..range.end).find(|i| !seen(i)).unwrap_or(range.end);

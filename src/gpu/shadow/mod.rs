@@ -4,6 +4,8 @@
 //! left a cascade's lattice cell), and then all of it: a tiler clears it on the tile, loads nothing and stores it once.
 
 mod casters;
+mod draw;
+mod lights;
 mod pipelines;
 mod tiles;
 
@@ -11,17 +13,18 @@ use ash::vk;
 
 use super::descriptor::{Content, DescriptorSets};
 use super::shader::shared;
-use super::shared::{InstanceData, ShadowPush, ShadowViewData};
-use super::{Buffer, BufferDesc, Device, Image, ImageDesc, MemoryUse, Owned, PipelineCache, Recorder, View, conv};
+use super::scene_data::SceneData;
+use super::shared::{InstanceData, ShadowViewData};
+use super::{
+    Buffer, BufferDesc, Device, Geometry, Image, ImageDesc, MemoryUse, Owned, PipelineCache, StreamKind, conv,
+};
 use crate::Result;
 use crate::plan::{Plan, ShadowMap};
-use crate::scene::{Aabb, Light, Scene};
-use crate::visible::{Cascades, Frustum, ShadowShape, ShadowView, Sphere};
+use crate::scene::{Aabb, Scene};
 use casters::{Batch, Casters};
+use lights::LightViews;
 use pipelines::{CasterPipelines, tile_pass};
 use tiles::Tiles;
-
-use super::scene_data::SceneData;
 
 /// What lighting reads: the map and where its tiles are.
 pub(super) struct ShadowResources {
@@ -76,7 +79,7 @@ impl ShadowResources {
             .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
     }
 
-    fn allocated_bytes(&self) -> u64 {
+    pub(super) fn allocated_bytes(&self) -> u64 {
         self.image.allocated_bytes() + self.views.iter().map(Buffer::allocated_bytes).sum::<u64>()
     }
 }
@@ -119,11 +122,16 @@ pub(super) struct Shadows {
     /// Of each batch of casters, its set among `material_sets`.
     material_set_of: Vec<Option<usize>>,
     map: ShadowMap,
-    lights: Vec<Light>,
+    /// In the map's order.
+    lights: Vec<LightViews>,
+    /// Of each batch of casters, where the streams that it reads begin in the vertex buffer, and how many they are.
+    stream_offsets: Vec<([u64; MOST_STREAMS], usize)>,
     casters: Casters,
     bounds_world: Aabb,
     tiles: Tiles,
     most_tiles: usize,
+    /// Whether the image has content, and so a layout.
+    in_use: bool,
 }
 
 impl Shadows {
@@ -162,8 +170,6 @@ impl Shadows {
         instance_sets.write(0, binding, vk::DescriptorType::STORAGE_BUFFER, &content);
         let (material_sets, material_set_of) = material_sets(device, scene, &pipelines, &casters.batches, data)?;
         let bounds_world = scene.bounds_world().expect("shadows are planned only where something is drawn");
-        let filter_reach = plan.options.shadows.filter;
-        let _ = filter_reach;
         Ok(Self {
             instance_sets,
             material_sets,
@@ -174,11 +180,80 @@ impl Shadows {
             resources,
             material_set_of,
             map: map.clone(),
-            lights: scene.lights.clone(),
+            lights: LightViews::of(scene, plan, map),
+            stream_offsets: casters.batches.iter().map(|b| stream_offsets(data.geometry(), map, b)).collect(),
             casters,
             bounds_world,
             tiles: Tiles::new(map.tiles.len()),
             most_tiles,
+            in_use: false,
         })
     }
+
+    /// Device memory of the map and of what it is drawn with.
+    pub(super) fn allocated_bytes(&self) -> u64 {
+        self.resources.allocated_bytes() + self.instances.allocated_bytes()
+    }
+}
+
+/// Positions, texture coordinates, colours.
+const MOST_STREAMS: usize = 3;
+
+fn stream_offsets(geometry: &Geometry, map: &ShadowMap, batch: &Batch) -> ([u64; MOST_STREAMS], usize) {
+    let mask = map.casters[batch.pipeline].mask;
+    let group = &geometry.groups()[geometry.meshes()[batch.mesh].group];
+    let read = |kind| match kind {
+        StreamKind::Position => true,
+        StreamKind::Texcoords => mask.is_some_and(|m| m.textured),
+        StreamKind::Color => mask.is_some_and(|m| m.vertex_color),
+        StreamKind::Normal | StreamKind::Tangent => false,
+    };
+    let streams = group.streams.list();
+    let offsets = streams.iter().zip(&group.offsets_bytes).filter(|((kind, _), _)| read(*kind));
+    let mut all = [0; MOST_STREAMS];
+    let mut count = 0;
+    for (to, (_, offset)) in all.iter_mut().zip(offsets) {
+        *to = *offset;
+        count += 1;
+    }
+    (all, count)
+}
+
+/// Sets of the materials that masks need, one for each material and pipeline, and which of them a batch uses.
+fn material_sets(
+    device: &Device,
+    scene: &Scene,
+    pipelines: &CasterPipelines,
+    batches: &[Batch],
+    data: &SceneData,
+) -> Result<(Option<DescriptorSets>, Vec<Option<usize>>)> {
+    let mut keys: Vec<(usize, usize)> = Vec::new();
+    let mut set_of = Vec::with_capacity(batches.len());
+    for batch in batches {
+        let key = batch.material.map(|material| (batch.pipeline, material));
+        keys.extend(key.filter(|key| keys.last() != Some(key)));
+        set_of.push(key.map(|_| keys.len() - 1));
+    }
+    let wanted: Vec<_> = keys
+        .iter()
+        .map(|&(pipeline, _)| {
+            let layout = &pipelines.layouts[pipeline];
+            (layout.sets[1].raw(), layout.bindings[1].as_slice())
+        })
+        .collect();
+    let Some(sets) = DescriptorSets::new(device, &wanted, "shadow materials")? else {
+        return Ok((None, set_of));
+    };
+    for (index, &(pipeline, material)) in keys.iter().enumerate() {
+        for &(binding, ty, ..) in &pipelines.layouts[pipeline].bindings[1] {
+            let content = match ty {
+                vk::DescriptorType::UNIFORM_BUFFER => data.material_numbers(material),
+                _ => Some(Content::Images(vec![data.base_color_image(scene, material)])),
+            };
+            if let Some(content) = content {
+                sets.write(index, binding, ty, &content);
+            }
+        }
+    }
+    Ok((Some(sets), set_of))
 }
