@@ -8,7 +8,8 @@ use clap::Args;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use ontile::picture::FileFormat;
 use ontile::plan::{
-    Layout, LightWay, Options, OutputFormat, Path, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
+    Layout, LightWay, Options, OutputFormat, Path, ShadowFilter, ShadowFormat, ShadowOptions, Strategy,
+    Tonemap,
 };
 
 /// What is looked at.

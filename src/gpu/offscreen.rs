@@ -207,6 +207,10 @@ fn decode(format: Format, texels: &[u8]) -> Vec<f32> {
                     .chain([(w >> 30) as f32 / 3.0])
             })
             .collect(),
+        Format::D16Unorm => texels
+            .chunks_exact(2)
+            .flat_map(|t| [f32::from(u16::from_le_bytes([t[0], t[1]])) / 65535.0, 0.0, 0.0, 0.0])
+            .collect(),
         Format::Rgba16Float => {
             texels.chunks_exact(2).map(|t| half_to_f32(u16::from_le_bytes([t[0], t[1]]))).collect()
         }

@@ -35,7 +35,13 @@ pub struct RendererConfig {
 
 impl Default for RendererConfig {
     fn default() -> Self {
-        Self { frames_in_flight: 2, capture: false, stage_timestamps: false, cull: true, shadow_tiles_per_frame: usize::MAX }
+        Self {
+            frames_in_flight: 2,
+            capture: false,
+            stage_timestamps: false,
+            cull: true,
+            shadow_tiles_per_frame: usize::MAX,
+        }
     }
 }
 

@@ -188,7 +188,7 @@ impl SceneData {
             for &(binding, ty, ..) in *bindings {
                 let slot = index / self.families.len();
                 let frame = &self.frames[slot];
-                if let (const { shared("BINDING_SHADOW_MAP") }, Some(shadows)) = (binding, shadows) {
+                if let Some(shadows) = shadows.filter(|_| binding == const { shared("BINDING_SHADOW_MAP") }) {
                     sets.write(index, binding, ty, &Content::Images(vec![shadows.map()]));
                     continue;
                 }

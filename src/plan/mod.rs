@@ -33,7 +33,9 @@ pub use options::{
     Layout, LightWay, Options, OutputFormat, OutputUse, Path, ShadowFilter, ShadowFormat, ShadowOptions,
     Strategy, Tonemap,
 };
-pub use shadow::{CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, spread_texels};
+pub use shadow::{
+    CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, spread_texels,
+};
 
 use serde::Serialize;
 

@@ -69,7 +69,10 @@ impl Plan {
             map.bytes(),
             count(map.tiles.len(), "tile", "s")
         )?;
-        writeln!(f, "  a tile is a render pass before the others when what it shows has changed: cleared, stored once")?;
+        writeln!(
+            f,
+            "  a tile is a render pass before the others when what it shows has changed: cleared, stored once"
+        )?;
         for light in &map.lights {
             let side = light.size.texels;
             let bytes: u64 = light.tiles.clone().map(|tile| map.tile_bytes(tile)).sum();

@@ -123,7 +123,7 @@ impl ShadowNeeds {
                 light,
                 name: scene.lights[light].name.clone(),
                 shape,
-                guard_texels: scene.lights[light].shadow.map_or(0, spread_texels).ceil() as u32
+                guard_texels: scene.lights[light].shadow.map_or(0.0, spread_texels).ceil() as u32
                     + ShadowMap::FILTER_MARGIN,
             })
             .collect();
@@ -191,30 +191,37 @@ impl ShadowMap {
     /// A map as large as allowed that is still too small is shared out by importance: sides are halved, those of the least
     /// important lights first, each light's once before any light's twice; when all are as small as can be, the least
     /// important lights go without.
-    pub(super) fn new(needs: &ShadowNeeds, options: &Options, limits: &Limits) -> (Option<Self>, Vec<String>) {
-        let most = floor_power_of_two(options.shadows.most_texels.min(limits.max_image_size)).max(LEAST_TEXELS);
+    pub(super) fn new(
+        needs: &ShadowNeeds,
+        options: &Options,
+        limits: &Limits,
+    ) -> (Option<Self>, Vec<String>) {
+        let most =
+            floor_power_of_two(options.shadows.most_texels.min(limits.max_image_size)).max(LEAST_TEXELS);
         let wanted: Vec<Ask> = needs.lights.iter().map(|need| Ask::new(need, options, most)).collect();
         let mut granted = wanted.clone();
         let area = |asks: &[Ask]| asks.iter().map(Ask::area).sum::<u64>();
         while area(&granted) > u64::from(most).pow(2) {
             let halvings = |i: usize| (wanted[i].texels / granted[i].texels).ilog2();
-            let large = (0..granted.len()).filter(|&i| granted[i].texels > LEAST_TEXELS && granted[i].views > 0);
+            let large =
+                (0..granted.len()).filter(|&i| granted[i].texels > LEAST_TEXELS && granted[i].views > 0);
             match large.min_by_key(|&i| (halvings(i), std::cmp::Reverse(i))) {
                 Some(light) => granted[light].texels /= 2,
                 None => granted.iter_mut().rfind(|ask| ask.views > 0).expect("the area is not 0").views = 0,
             }
         }
-        let notes = needs.lights.iter().zip(wanted.iter().zip(&granted)).filter_map(|(need, (wanted, granted))| {
-            let map = format!("the shadow map of {most}x{most} texels is full");
-            match granted.views {
-                0 => Some(format!("{map}: light '{}' casts no shadow", need.name)),
-                _ if granted.texels < wanted.texels => Some(format!(
-                    "{map}: light '{}' has tiles of {} texels instead of {}",
-                    need.name, granted.texels, wanted.texels
-                )),
-                _ => None,
-            }
-        });
+        let notes =
+            needs.lights.iter().zip(wanted.iter().zip(&granted)).filter_map(|(need, (wanted, granted))| {
+                let map = format!("the shadow map of {most}x{most} texels is full");
+                match granted.views {
+                    0 => Some(format!("{map}: light '{}' casts no shadow", need.name)),
+                    _ if granted.texels < wanted.texels => Some(format!(
+                        "{map}: light '{}' has tiles of {} texels instead of {}",
+                        need.name, granted.texels, wanted.texels
+                    )),
+                    _ => None,
+                }
+            });
         let notes = notes.collect();
         if granted.iter().all(|ask| ask.views == 0) {
             return (None, notes);
@@ -296,7 +303,8 @@ impl Ask {
         let [width, height] = options.size;
         // A texel a pixel, if the map fills the picture.
         let shown = floor_power_of_two(width.max(height)).clamp(LEAST_TEXELS, MOST_DEFAULT_TEXELS);
-        let texels = floor_power_of_two(options.shadows.tile_texels.unwrap_or(shown)).clamp(LEAST_TEXELS, most);
+        let texels =
+            floor_power_of_two(options.shadows.tile_texels.unwrap_or(shown)).clamp(LEAST_TEXELS, most);
         match need.shape {
             ShadowShape::Cascades => {
                 Self { views: options.shadows.cascades.clamp(1, MOST_CASCADES as u32), texels }

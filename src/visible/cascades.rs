@@ -180,7 +180,8 @@ mod tests {
         let range = distances(eye, &bounds(400.0), 1.0, 0.1, None);
         for (i, sphere) in cascades.spheres().iter().enumerate() {
             let slice = [i, i + 1].map(|i| split(range, i as f64 / 4.0));
-            let farthest = corners(&camera, slice).iter().map(|c| c.distance(sphere.center)).fold(0.0, f64::max);
+            let farthest =
+                corners(&camera, slice).iter().map(|c| c.distance(sphere.center)).fold(0.0, f64::max);
             assert!(farthest <= sphere.radius_m * (1.0 + 1e-9), "{i}: {farthest} {sphere:?}");
             // And no larger than it must be.
             assert!(farthest >= sphere.radius_m * (1.0 - 1e-6), "{i}: {farthest} {sphere:?}");

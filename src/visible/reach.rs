@@ -41,7 +41,9 @@ impl Reach {
         let sphere =
             range_m.map_or(Self::Everywhere, |radius_m| Self::Sphere { center_world: position, radius_m });
         match light.kind {
-            LightKind::Directional { .. } | LightKind::Hemisphere { .. } | LightKind::Box { .. } => Self::Everywhere,
+            LightKind::Directional { .. } | LightKind::Hemisphere { .. } | LightKind::Box { .. } => {
+                Self::Everywhere
+            }
             LightKind::Point { .. } => sphere,
             LightKind::Spot { outer_cone_rad, .. } => match outer_cone_rad.cos() - Self::WIDER {
                 // More than half of a sphere is not convex.

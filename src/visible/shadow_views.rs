@@ -98,7 +98,8 @@ impl ShadowView {
         let axis = light_from_world.row(2);
         let (middle, half) = (((min + max) * 0.5).dot(axis), ((max - min) * 0.5).dot(axis.abs()));
         let margin = (half * DEPTH_MARGIN).max(f64::from(f32::MIN_POSITIVE));
-        let place = DVec3::new((center.x / step_m).round() * step_m, (center.y / step_m).round() * step_m, middle);
+        let place =
+            DVec3::new((center.x / step_m).round() * step_m, (center.y / step_m).round() * step_m, middle);
         let half_m = DVec3::new(1.0, 1.0, 0.0) * (texel_m * tile.side() * 0.5) + DVec3::Z * (half + margin);
         Self::parallel(light_from_world, place, half_m, texel_m, true)
     }
@@ -111,7 +112,13 @@ impl ShadowView {
         let half = size_m.as_dvec3() * 0.5;
         let wide = half.x.max(half.y) * tile.widened();
         let place = light_from_world * light.position_world.as_dvec3();
-        Self::parallel(light_from_world, place, DVec3::new(wide, wide, half.z), 2.0 * wide / tile.side(), false)
+        Self::parallel(
+            light_from_world,
+            place,
+            DVec3::new(wide, wide, half.z),
+            2.0 * wide / tile.side(),
+            false,
+        )
     }
 
     /// `place` is the view's middle in the light's frame, `half_m` its half extent.
@@ -130,7 +137,9 @@ impl ShadowView {
 
     /// A spot light's.
     pub fn cone(light: &Light, tile: TileSize) -> Self {
-        let LightKind::Spot { outer_cone_rad, .. } = light.kind else { unreachable!("only spots have this shape") };
+        let LightKind::Spot { outer_cone_rad, .. } = light.kind else {
+            unreachable!("only spots have this shape")
+        };
         let frame = light_frame(light.direction_world.as_dvec3());
         Self::perspective(light, frame, f64::from(outer_cone_rad).tan() * tile.widened(), tile)
     }
@@ -147,12 +156,8 @@ impl ShadowView {
     fn perspective(light: &Light, frame: DMat3, half: f64, tile: TileSize) -> Self {
         let place = light.position_world.as_dvec3();
         let row = |axis: DVec3| axis.extend(-axis.dot(place));
-        let rows = [
-            row(frame.x_axis / half),
-            row(-frame.y_axis / half),
-            DVec4::W * NEAR_M,
-            row(-frame.z_axis),
-        ];
+        let rows =
+            [row(frame.x_axis / half), row(-frame.y_axis / half), DVec4::W * NEAR_M, row(-frame.z_axis)];
         let texel_m = (2.0 * half / tile.side()) as f32;
         Self { clip_from_world: from_rows(rows), texel_m, pancaked: true }
     }

@@ -63,8 +63,8 @@ impl Shadows {
             false => vk::ImageLayout::UNDEFINED,
         };
         let depth = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-        let access = vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_READ
-            | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE;
+        let access =
+            vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_READ | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE;
         // Earlier reads need the order of execution only; what earlier frames drew, they made visible themselves.
         self.barrier(
             recorder,
@@ -244,7 +244,8 @@ impl Shadows {
 
 /// Where depth attachments are accessed.
 const DEPTH_STAGES: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw(
-    vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS.as_raw() | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS.as_raw(),
+    vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS.as_raw()
+        | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS.as_raw(),
 );
 
 /// What is bound while casters are drawn, in all tiles of a frame.

@@ -26,7 +26,8 @@ impl LightViews {
             let shadow = light.shadow.unwrap_or_default();
             let spread_texels = match plan.options.shadows.filter {
                 ShadowFilter::Hardware => 0.0,
-                _ => spread_texels(shadow).min(place.size.guard.saturating_sub(ShadowMap::FILTER_MARGIN) as f32),
+                _ => spread_texels(shadow)
+                    .min(place.size.guard.saturating_sub(ShadowMap::FILTER_MARGIN) as f32),
             };
             // The farthest sample: a corner of the square, or a point on the circle.
             let reach = match plan.options.shadows.filter {
@@ -49,7 +50,8 @@ impl LightViews {
         let Self { light, place, .. } = self;
         match place.shape {
             ShadowShape::Cascades => {
-                let cascades = Cascades::new(camera, aspect, bounds_world, place.tiles.len().min(MOST_CASCADES));
+                let cascades =
+                    Cascades::new(camera, aspect, bounds_world, place.tiles.len().min(MOST_CASCADES));
                 let direction = light.direction_world.as_dvec3();
                 for (i, tile) in place.tiles.clone().enumerate() {
                     let sphere = cascades.spheres().get(i);
@@ -78,12 +80,8 @@ impl LightViews {
         // From the tile's clip space to the map's texture coordinates.
         let scale = DVec3::new(side * 0.5, side * 0.5, 1.0) / size;
         let offset = DVec3::new(x + side * 0.5, y + side * 0.5, 0.0) / size;
-        let map_from_clip = DMat4::from_cols(
-            DVec4::X * scale.x,
-            DVec4::Y * scale.y,
-            DVec4::Z,
-            offset.extend(1.0),
-        );
+        let map_from_clip =
+            DMat4::from_cols(DVec4::X * scale.x, DVec4::Y * scale.y, DVec4::Z, offset.extend(1.0));
         let least = [(x + 0.5) / size.x, (y + 0.5) / size.y];
         let greatest = [(x + side - 0.5) / size.x, (y + side - 0.5) / size.y];
         ShadowViewData {

@@ -12,8 +12,8 @@ mod tiles;
 use ash::vk;
 
 use super::descriptor::{Content, DescriptorSets};
-use super::shader::shared;
 use super::scene_data::SceneData;
+use super::shader::shared;
 use super::shared::{InstanceData, ShadowViewData};
 use super::{
     Buffer, BufferDesc, Device, Geometry, Image, ImageDesc, MemoryUse, Owned, PipelineCache, StreamKind, conv,
@@ -87,9 +87,8 @@ impl ShadowResources {
 /// Compares a depth with the four texels around a place, and interpolates where the device can.
 fn sampler(device: &Device, format: vk::Format) -> Result<Owned<vk::Sampler>> {
     // SAFETY: the physical device is alive.
-    let properties = unsafe {
-        device.instance().get_physical_device_format_properties(device.physical_device(), format)
-    };
+    let properties =
+        unsafe { device.instance().get_physical_device_format_properties(device.physical_device(), format) };
     let linear = vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
     let filter = match properties.optimal_tiling_features.contains(linear) {
         true => vk::Filter::LINEAR,
@@ -168,7 +167,8 @@ impl Shadows {
         let binding = const { shared("BINDING_INSTANCES") };
         let content = Content::Buffer(&instances, 0, instances.size_bytes());
         instance_sets.write(0, binding, vk::DescriptorType::STORAGE_BUFFER, &content);
-        let (material_sets, material_set_of) = material_sets(device, scene, &pipelines, &casters.batches, data)?;
+        let (material_sets, material_set_of) =
+            material_sets(device, scene, &pipelines, &casters.batches, data)?;
         let bounds_world = scene.bounds_world().expect("shadows are planned only where something is drawn");
         Ok(Self {
             instance_sets,

@@ -58,7 +58,8 @@ impl CasterPipelines {
         pass: &Owned<vk::RenderPass>,
         cache: &PipelineCache,
     ) -> Result<Self> {
-        let layouts: Vec<_> = map.casters.iter().map(|k| CasterLayout::new(device, k)).collect::<Result<_>>()?;
+        let layouts: Vec<_> =
+            map.casters.iter().map(|k| CasterLayout::new(device, k)).collect::<Result<_>>()?;
         let pipelines = map
             .casters
             .iter()
@@ -133,9 +134,8 @@ fn pipeline(
         .zip(&constants.ids)
         .map(|(i, &constant_id)| vk::SpecializationMapEntry { constant_id, offset: 4 * i, size: 4 })
         .collect();
-    let special = vk::SpecializationInfo::default()
-        .map_entries(&entries)
-        .data(bytemuck::cast_slice(&constants.data));
+    let special =
+        vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&constants.data));
     let stages: Vec<_> = [vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT]
         .into_iter()
         .zip(&modules)
@@ -162,8 +162,8 @@ fn pipeline(
         .depth_bias_constant_factor(-CONSTANT_BIAS)
         .depth_bias_slope_factor(-SLOPE_BIAS)
         .line_width(1.0);
-    let multisample = vk::PipelineMultisampleStateCreateInfo::default()
-        .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+    let multisample =
+        vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
     let depth = vk::PipelineDepthStencilStateCreateInfo::default()
         .depth_test_enable(true)
         .depth_write_enable(true)
@@ -218,7 +218,8 @@ fn vertex_input(mask: Option<&CasterMask>) -> Result<VertexInput> {
         .filter(|m| m.vertex_color)
         .map(|_| (const { shared("ATTRIBUTE_COLOR") }, vk::Format::R32G32B32A32_SFLOAT));
     let mut input = VertexInput::default();
-    for (binding, (location, format)) in (0..).zip([Some(POSITION), texcoords, colors].into_iter().flatten()) {
+    for (binding, (location, format)) in (0..).zip([Some(POSITION), texcoords, colors].into_iter().flatten())
+    {
         let (stride, input_rate) = (texel_bytes(format)?, vk::VertexInputRate::VERTEX);
         input.0.push(vk::VertexInputBindingDescription { binding, stride, input_rate });
         input.1.push(vk::VertexInputAttributeDescription { location, binding, format, offset: 0 });

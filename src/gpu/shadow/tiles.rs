@@ -72,9 +72,9 @@ impl Tiles {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{DVec3, Vec3};
     use crate::scene::Aabb;
     use crate::visible::{Sphere, TileSize};
+    use glam::{DVec3, Vec3};
 
     fn view(x: f64) -> Option<ShadowView> {
         let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::ONE };
