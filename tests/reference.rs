@@ -56,7 +56,7 @@ fn square(half: f32) -> Mesh {
 fn scene(material: Material, mesh: Mesh, world_from_object: Mat4) -> Scene {
     Scene {
         meshes: vec![mesh],
-        instances: vec![Instance { mesh: 0, world_from_object }],
+        instances: vec![Instance::new(0, world_from_object)],
         materials: vec![material],
         ..Scene::default()
     }

@@ -5,18 +5,36 @@ use super::shared::LightData;
 use crate::plan::ShadowMap;
 use crate::scene::{Light, LightKind};
 use crate::visible::{Frustum, Reach};
+use crate::{Error, Result};
 
 /// How many kinds of lights shaders tell apart.
 const KINDS: usize = 3;
 
-/// All lights that are not dark, by kind.
+/// All lights, in the scene's order.
 pub(super) struct Lights {
-    of_kind: [Vec<Placed>; KINDS],
+    placed: Vec<Placed>,
+    /// Indices into `placed`, by kind.
+    order: Vec<usize>,
+    /// The kinds that shaders were specialised for: those of which a light was not dark at first.
+    planned: [bool; KINDS],
 }
 
 struct Placed {
+    kind: usize,
     data: LightData,
-    reach: Reach,
+    /// `None` of a dark light.
+    reach: Option<Reach>,
+    shadow_tiles: u32,
+}
+
+impl Placed {
+    /// `shadow_tiles` is the light's part of the shadow map, as shaders know it.
+    fn new(light: &Light, shadow_tiles: u32) -> Self {
+        let reach = (!light.is_dark()).then(|| Reach::of(light));
+        let shadow = if light.shadow.is_some() { shadow_tiles } else { 0 };
+        let data = LightData { shadow, ..convert::light(light) };
+        Self { kind: kind_index(&light.kind), data, reach, shadow_tiles }
+    }
 }
 
 /// Which of [`KINDS`] it is; lights of a kind follow each other in the buffer, in this order.
@@ -30,34 +48,65 @@ fn kind_index(kind: &LightKind) -> usize {
 
 impl Lights {
     pub(super) fn new(lights: &[Light], shadow_map: Option<&ShadowMap>) -> Self {
-        let mut of_kind = [const { Vec::new() }; KINDS];
-        for (index, light) in lights.iter().enumerate().filter(|(_, l)| !l.is_dark()) {
-            let shadow = shadow_map.map_or(0, |map| map.reference(index));
-            let data = LightData { shadow, ..convert::light(light) };
-            let placed = Placed { data, reach: Reach::of(light) };
-            of_kind[kind_index(&light.kind)].push(placed);
-        }
-        Self { of_kind }
+        let reference = |light| shadow_map.map_or(0, |map| map.reference(light));
+        let placed: Vec<_> = lights.iter().zip(0..).map(|(l, i)| Placed::new(l, reference(i))).collect();
+        let mut planned = [false; KINDS];
+        placed.iter().filter(|l| l.reach.is_some()).for_each(|l| planned[l.kind] = true);
+        let mut order: Vec<_> = (0..placed.len()).filter(|&i| planned[placed[i].kind]).collect();
+        order.sort_by_key(|&i| placed[i].kind);
+        Self { placed, order, planned }
     }
 
-    /// How many there are: the length of a buffer that can hold all of them.
+    /// How many may be lit: the length of a buffer that can hold all of them.
     pub(super) fn count(&self) -> usize {
-        self.of_kind.iter().map(Vec::len).sum()
+        self.order.len()
     }
 
-    /// Writes those that reach something that the view sees (all of them without a view), and returns how many they are
-    /// of each kind: directional, point, spot.
+    /// Changes an element of `Scene::lights`.
+    pub(super) fn set(&mut self, index: usize, light: &Light) -> Result<()> {
+        let lights = self.placed.len();
+        let placed = self.placed.get_mut(index).ok_or_else(|| {
+            Error::unsupported(
+                format!("there is no light {index} to change"),
+                format!("use an index below {lights}, the number of the scene's lights"),
+            )
+        })?;
+        let changed = Placed::new(light, placed.shadow_tiles);
+        let data = LightData { shadow: 0, ..changed.data };
+        let numbers: &[f32] = bytemuck::cast_slice(std::slice::from_ref(&data));
+        let sound = numbers.iter().all(|n| n.is_finite()) && changed.data.intensity.iter().all(|&i| i >= 0.0);
+        if !sound {
+            return Err(Error::unsupported(
+                format!(
+                    "light {index} ('{}') has numbers that are not finite, or shines darkness",
+                    light.name
+                ),
+                "give finite numbers, and colour and intensity that are not negative",
+            ));
+        }
+        if changed.kind != placed.kind || (changed.reach.is_some() && !self.planned[changed.kind]) {
+            return Err(Error::unsupported(
+                format!("light {index} ('{}') changes into one that the plan does not know", light.name),
+                "make a plan and a renderer of the scene with the new light",
+            ));
+        }
+        *placed = changed;
+        Ok(())
+    }
+
+    /// Writes those that reach something that the view sees (all of them without a view) and are not dark, and returns
+    /// how many they are of each kind: directional, point, spot.
     pub(super) fn write_visible(&self, view: Option<&Frustum>, out: &mut [LightData]) -> [u32; KINDS] {
+        let mut counts = [0; KINDS];
         let mut end = 0;
-        self.of_kind.each_ref().map(|lights| {
-            let first = end;
-            for light in lights {
-                if !view.is_some_and(|view| view.misses(&light.reach)) {
-                    out[end] = light.data;
-                    end += 1;
-                }
+        for light in self.order.iter().map(|&i| &self.placed[i]) {
+            let Some(reach) = &light.reach else { continue };
+            if !view.is_some_and(|view| view.misses(reach)) {
+                out[end] = light.data;
+                end += 1;
+                counts[light.kind] += 1;
             }
-            (end - first) as u32
-        })
+        }
+        counts
     }
 }

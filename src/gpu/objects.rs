@@ -5,8 +5,10 @@ use std::ops::Range;
 use super::convert;
 use super::shared::InstanceData;
 use crate::plan::{Pipeline, Plan, SurfaceKind};
-use crate::scene::{Aabb, Scene};
+use crate::scene::{Aabb, Instance, Scene};
 use crate::visible::Frustum;
+use crate::{Error, Result};
+use glam::{Mat4, Vec4};
 
 /// Objects of one mesh that one draw call draws.
 #[derive(Clone, Debug)]
@@ -29,6 +31,22 @@ pub(super) struct Batch {
 struct Placed {
     data: InstanceData,
     bounds_world: Aabb,
+    bounds_object: Aabb,
+    mirrored: bool,
+}
+
+impl Placed {
+    fn place(&mut self, world_from_object: &Mat4) {
+        self.data = convert::instance(world_from_object);
+        self.bounds_world = self.bounds_object.transformed(world_from_object);
+    }
+}
+
+/// An element of `Scene::instances`.
+struct Element {
+    /// Index into `Objects::placed`; `None` without triangles.
+    placed: Option<usize>,
+    dynamic: bool,
 }
 
 /// All objects that have triangles, by batch.
@@ -37,6 +55,8 @@ pub(super) struct Objects {
     /// Of each pipeline, its part of `batches`.
     batches_of: Vec<Range<usize>>,
     placed: Vec<Placed>,
+    elements: Vec<Element>,
+    static_moves: u64,
 }
 
 impl Objects {
@@ -44,26 +64,35 @@ impl Objects {
     pub(super) fn new(scene: &Scene, plan: &Plan) -> Self {
         let ambient = scene.ambient_nt != glam::Vec3::ZERO;
         let mut order: Vec<_> = scene
-            .drawn_instances()
-            .map(|instance| {
+            .instances
+            .iter()
+            .enumerate()
+            .filter(|(_, instance)| scene.is_drawn(instance))
+            .map(|(index, instance)| {
                 let mesh = &scene.meshes[instance.mesh];
                 let kind =
                     SurfaceKind::new(mesh, &scene.materials[mesh.material], instance.is_mirrored(), ambient);
                 let wanted = Pipeline::Surface(kind);
                 let pipeline = plan.pipelines.iter().position(|(_, p)| *p == wanted);
-                (pipeline.expect("the plan was made for this scene"), mesh.material, instance.mesh, instance)
+                (pipeline.expect("the plan was made for this scene"), mesh.material, instance.mesh, index)
             })
             .collect();
-        order.sort_by_key(|&(pipeline, material, mesh, _)| (pipeline, material, mesh));
+        order.sort_unstable();
         let bounds: Vec<_> = scene.meshes.iter().map(|mesh| mesh.bounds()).collect();
         let mut batches: Vec<Batch> = Vec::new();
         let mut placed = Vec::with_capacity(order.len());
-        for (pipeline, material, mesh, instance) in order {
+        let element = |instance: &Instance| Element { placed: None, dynamic: instance.dynamic };
+        let mut elements: Vec<_> = scene.instances.iter().map(element).collect();
+        for (pipeline, material, mesh, index) in order {
             let first = placed.len();
-            let bounds = bounds[mesh].expect("what has triangles has vertices");
+            let instance = &scene.instances[index];
+            let bounds_object = bounds[mesh].expect("what has triangles has vertices");
+            elements[index].placed = Some(first);
             placed.push(Placed {
                 data: convert::instance(&instance.world_from_object),
-                bounds_world: bounds.transformed(&instance.world_from_object),
+                bounds_world: bounds_object.transformed(&instance.world_from_object),
+                bounds_object,
+                mirrored: instance.is_mirrored(),
             });
             match batches.last_mut() {
                 Some(last) if (last.pipeline, last.mesh) == (pipeline, mesh) => last.placed.end += 1,
@@ -78,7 +107,7 @@ impl Objects {
             }
         }
         let batches_of = (0..plan.pipelines.len()).map(|p| range_of(&batches, p)).collect();
-        Self { batches, batches_of, placed }
+        Self { batches, batches_of, placed, elements, static_moves: 0 }
     }
 
     /// How many there are: the length of an instance buffer that can hold all of them.
@@ -99,6 +128,41 @@ impl Objects {
     /// The batches that a pipeline draws, those of one material and of one mesh side by side.
     pub(super) fn batches_of(&self, pipeline: usize) -> &[Batch] {
         &self.batches[self.batches_of[pipeline].clone()]
+    }
+
+    /// Moves an element of `Scene::instances`.
+    pub(super) fn set(&mut self, index: usize, world_from_object: &Mat4) -> Result<()> {
+        let elements = self.elements.len();
+        let element = self.elements.get(index).ok_or_else(|| {
+            Error::unsupported(
+                format!("there is no instance {index} to move"),
+                format!("use an index below {elements}, the number of the scene's instances"),
+            )
+        })?;
+        if !world_from_object.is_finite() || world_from_object.row(3) != Vec4::W {
+            return Err(Error::unsupported(
+                format!("instance {index} cannot be placed by {world_from_object}"),
+                "use a finite matrix whose last row is 0, 0, 0, 1",
+            ));
+        }
+        let Some(placed) = element.placed.map(|placed| &mut self.placed[placed]) else { return Ok(()) };
+        // What a flat object shows of itself has no winding.
+        let determinant = world_from_object.determinant();
+        if determinant != 0.0 && (determinant < 0.0) != placed.mirrored {
+            return Err(Error::unsupported(
+                format!("instance {index} would be mirrored, which takes another pipeline"),
+                "make a plan and a renderer of the scene with the instance mirrored",
+            ));
+        }
+        placed.place(world_from_object);
+        self.static_moves += u64::from(!element.dynamic);
+        Ok(())
+    }
+
+    /// How often an object that is not dynamic was moved: what was made of static objects is out of date when this
+    /// has changed.
+    pub(super) fn static_moves(&self) -> u64 {
+        self.static_moves
     }
 
     /// Writes what the view sees (everything without a view), batch by batch without gaps, and tells each batch where

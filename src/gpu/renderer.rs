@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use ash::vk;
+use glam::Mat4;
 
 use super::pass::create_render_pass;
 use super::pipeline::Pipelines;
@@ -13,7 +14,7 @@ use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
 use crate::plan::{Needs, Pipeline, Plan, State};
-use crate::scene::Scene;
+use crate::scene::{Light, Scene};
 use crate::{Error, Result};
 
 /// How a [`Renderer`] is set up.
@@ -205,6 +206,45 @@ impl Renderer {
     /// Device memory of the scene's buffers and textures.
     pub fn scene_bytes(&self) -> u64 {
         self.scene.allocated_bytes() + self.shadows.as_ref().map_or(0, Shadows::allocated_bytes)
+    }
+
+    /// Moves the scene's instance `index` for the frames recorded from now on. Those on the GPU go on as they are.
+    ///
+    /// Moving what is not [dynamic](crate::scene::Instance::dynamic) costs more: what was kept of static objects is
+    /// made anew.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the scene has no such instance, the matrix is not affine and finite, or the instance would
+    /// become mirrored or cease to be (its determinant's sign): that takes another pipeline. Nothing is changed then.
+    pub fn set_instance(&mut self, index: usize, world_from_object: &Mat4) -> Result<()> {
+        self.scene.objects_mut().set(index, world_from_object)?;
+        if let Some(shadows) = &mut self.shadows {
+            shadows.set_instance(index, world_from_object);
+        }
+        Ok(())
+    }
+
+    /// How often an instance that is not dynamic was moved so far.
+    pub fn static_moves(&self) -> u64 {
+        self.scene.objects().static_moves()
+    }
+
+    /// Changes the scene's light `index` for the frames recorded from now on: place, direction, colour, intensity, range
+    /// and cone. It may become dark and light up again, and cease to cast a shadow; only a light that did when the plan was
+    /// made can begin to.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the scene has no such light, a number is not finite, or it takes what the plan does not
+    /// have: another kind, or light of a kind of which the scene had none that was not dark. Nothing is changed then.
+    pub fn set_light(&mut self, index: usize, light: &Light) -> Result<()> {
+        if let Some(shadows) = &self.shadows {
+            shadows.check_light(index, light)?;
+        }
+        self.scene.lights_mut().set(index, light)?;
+        if let Some(shadows) = &mut self.shadows {
+            shadows.set_light(index, light);
+        }
+        Ok(())
     }
 
     /// Records a frame: no allocation, no wait, no submission.

@@ -71,6 +71,16 @@ impl SceneData {
         &self.objects
     }
 
+    /// What is drawn, to move it.
+    pub(super) fn objects_mut(&mut self) -> &mut Objects {
+        &mut self.objects
+    }
+
+    /// The lights, to change them.
+    pub(super) fn lights_mut(&mut self) -> &mut Lights {
+        &mut self.lights
+    }
+
     /// All meshes.
     pub(super) fn geometry(&self) -> &Geometry {
         &self.geometry

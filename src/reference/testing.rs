@@ -24,8 +24,7 @@ pub fn camera_at(eye: Vec3, target: Vec3, projection: Projection) -> Camera {
 
 /// One instance of each mesh, all with one material.
 pub fn scene_of(material: Material, meshes: Vec<(Mesh, Mat4)>) -> Scene {
-    let instances =
-        (0..meshes.len()).map(|mesh| Instance { mesh, world_from_object: meshes[mesh].1 }).collect();
+    let instances = (0..meshes.len()).map(|mesh| Instance::new(mesh, meshes[mesh].1)).collect();
     let meshes = meshes.into_iter().map(|(mesh, _)| mesh).collect();
     Scene { meshes, instances, materials: vec![material], ..Scene::default() }
 }

@@ -42,9 +42,17 @@ pub struct Instance {
     pub mesh: usize,
     /// Affine; a negative determinant mirrors (triangle winding flips).
     pub world_from_object: Mat4,
+    /// Whether it will move: nothing that depends on its place is kept from frame to frame. What is not dynamic may be
+    /// moved too, but then all that was kept (static shadow maps) is made anew.
+    pub dynamic: bool,
 }
 
 impl Instance {
+    /// One that stays where it is.
+    pub fn new(mesh: usize, world_from_object: Mat4) -> Self {
+        Self { mesh, world_from_object, dynamic: false }
+    }
+
     /// Whether the transform turns the triangles' winding round.
     pub fn is_mirrored(&self) -> bool {
         self.world_from_object.determinant() < 0.0

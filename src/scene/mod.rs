@@ -58,7 +58,12 @@ impl Scene {
 
     /// The instances that have triangles to draw.
     pub(crate) fn drawn_instances(&self) -> impl Iterator<Item = &Instance> {
-        self.instances.iter().filter(|i| !self.meshes[i.mesh].indices.is_empty())
+        self.instances.iter().filter(|i| self.is_drawn(i))
+    }
+
+    /// Whether an instance has triangles to draw.
+    pub(crate) fn is_drawn(&self, instance: &Instance) -> bool {
+        !self.meshes[instance.mesh].indices.is_empty()
     }
 
     /// The number of triangles that one frame draws, instances counted.

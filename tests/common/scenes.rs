@@ -312,7 +312,7 @@ fn add(scene: &mut Scene, mesh: Mesh, material: Material, placements: &[Mat4]) {
     let index = scene.meshes.len();
     scene.meshes.push(Mesh { material: scene.materials.len(), name: material.name.clone(), ..mesh });
     scene.materials.push(material);
-    let place = |&world_from_object| Instance { mesh: index, world_from_object };
+    let place = |&world_from_object| Instance::new(index, world_from_object);
     scene.instances.extend(placements.iter().map(place));
 }
 

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod engine;
+mod moving;
 
 use engine::{Engine, EngineImage, FRAMES_IN_FLIGHT};
 use glam::{Mat4, Vec3, Vec4, vec3};
@@ -39,7 +40,7 @@ fn scene(color: Vec3) -> Scene {
     };
     Scene {
         meshes: vec![square(0.0, 2.0, 0), square(0.5, 0.3, 1)],
-        instances: [0, 1].map(|mesh| Instance { mesh, world_from_object: Mat4::IDENTITY }).to_vec(),
+        instances: [0, 1].map(|mesh| Instance::new(mesh, Mat4::IDENTITY)).to_vec(),
         materials: vec![material(Vec3::ZERO), material(vec3(0.1, 0.2, 0.3))],
         lights: vec![Light {
             name: "light".into(),

@@ -115,7 +115,7 @@ impl Builder {
 
     fn add(mut self, mesh: Mesh, material: Material, world_from_object: Mat4) -> Self {
         let scene = &mut self.0;
-        scene.instances.push(Instance { mesh: scene.meshes.len(), world_from_object });
+        scene.instances.push(Instance::new(scene.meshes.len(), world_from_object));
         scene.meshes.push(Mesh { material: scene.materials.len(), ..mesh });
         scene.materials.push(material);
         self

@@ -29,7 +29,7 @@ pub fn floor(objects: usize, lights: usize, distinct: bool) -> Scene {
         } else {
             // Meshes 1 to 8 are the first eight objects'.
             let world_from_object = Mat4::from_translation(at);
-            scene.instances.push(Instance { mesh: 1 + i % 8, world_from_object });
+            scene.instances.push(Instance::new(1 + i % 8, world_from_object));
         }
     }
     scene.lights = grid(lights).enumerate().map(|(i, [x, z])| light(i, vec3(x, 1.8, z))).collect();
@@ -47,9 +47,7 @@ fn grid(count: usize) -> impl Iterator<Item = [f32; 2]> {
 }
 
 fn add(scene: &mut Scene, mesh: Mesh, at: Vec3) {
-    scene
-        .instances
-        .push(Instance { mesh: scene.meshes.len(), world_from_object: Mat4::from_translation(at) });
+    scene.instances.push(Instance::new(scene.meshes.len(), Mat4::from_translation(at)));
     scene.meshes.push(mesh);
 }
 

@@ -3,11 +3,11 @@
 use ash::vk;
 
 use super::super::scene_data::SceneData;
-use super::super::shared::{ShadowPush, ShadowViewData};
+use super::super::shared::{InstanceData, ShadowPush, ShadowViewData};
 use super::super::{IndexWidth, Recorder, View};
 use super::casters::Batch;
 use super::{RecordedShadows, Shadows};
-use crate::visible::Frustum;
+use crate::visible::{Frustum, ShadowView};
 
 /// A depth beyond all that is drawn: nothing is moved to it.
 const NO_NEAREST_DEPTH: f32 = f32::MAX;
@@ -24,15 +24,20 @@ impl Shadows {
         aspect: f64,
         data: &SceneData,
     ) -> RecordedShadows {
-        let Self { lights, tiles, bounds_world, .. } = self;
+        let Self { lights, tiles, bounds_world, casters, .. } = self;
+        let moves = casters.moves();
+        let signature = |view: &ShadowView| casters.signature(&Frustum::new(&view.casters_clip_from_world()));
         for light in lights.iter() {
-            light.views(view.camera, aspect, bounds_world, |tile, view| tiles.want(tile, view));
+            light.views(view.camera, aspect, bounds_world, |tile, view| {
+                tiles.want(tile, view, moves, signature)
+            });
         }
         let waiting = self.tiles.choose(self.most_tiles);
         let mut recorded = RecordedShadows { waiting, ..RecordedShadows::default() };
         if !self.tiles.chosen().is_empty() {
             let _label = recorder.label("shadows");
-            self.begin(recorder);
+            self.write_instances(slot);
+            self.begin(recorder, slot);
             let mut bound = Bound::default();
             for &tile in self.tiles.chosen() {
                 self.draw_tile(recorder, data, tile, &mut bound, &mut recorded);
@@ -42,6 +47,16 @@ impl Shadows {
         }
         self.write_views(slot);
         recorded
+    }
+
+    /// Brings the slot's casters up to date.
+    fn write_instances(&mut self, slot: usize) {
+        let (buffer, moves) = &mut self.instances[slot];
+        if *moves != self.casters.moves() {
+            let content: &mut [InstanceData] = bytemuck::cast_slice_mut(buffer.mapped_mut());
+            content.iter_mut().zip(self.casters.data()).for_each(|(to, from)| *to = from);
+            *moves = self.casters.moves();
+        }
     }
 
     fn write_views(&mut self, slot: usize) {
@@ -57,7 +72,7 @@ impl Shadows {
     }
 
     /// From being sampled to being drawn.
-    fn begin(&self, recorder: &Recorder<'_>) {
+    fn begin(&self, recorder: &Recorder<'_>, slot: usize) {
         let old = match self.in_use {
             true => vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
             false => vk::ImageLayout::UNDEFINED,
@@ -74,7 +89,9 @@ impl Shadows {
         let (device, raw) = (recorder.device().raw(), recorder.raw());
         let (point, layout) = (vk::PipelineBindPoint::GRAPHICS, self.pipelines.layouts[0].layout.raw());
         // SAFETY: recording; the set was allocated with the layout's first set layout, which all caster layouts share.
-        unsafe { device.cmd_bind_descriptor_sets(raw, point, layout, 0, &[self.instance_sets.raw(0)], &[]) };
+        unsafe {
+            device.cmd_bind_descriptor_sets(raw, point, layout, 0, &[self.instance_sets.raw(slot)], &[])
+        };
     }
 
     /// From being drawn to being sampled.

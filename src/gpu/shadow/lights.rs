@@ -1,9 +1,11 @@
 //! What views the lights' shadows take.
 
+use std::f32::consts::SQRT_2;
+
 use glam::{DMat4, DVec3, DVec4};
 
 use super::super::shared::ShadowViewData;
-use crate::plan::{Plan, ShadowFilter, ShadowLight, ShadowMap, Tile, spread_texels};
+use crate::plan::{ShadowFilter, ShadowLight, ShadowMap, Tile, spread_texels};
 use crate::scene::{Aabb, Camera, Light, Scene};
 use crate::visible::{Cascades, MOST_CASCADES, ShadowShape, ShadowView};
 
@@ -20,23 +22,38 @@ pub(super) struct LightViews {
 
 impl LightViews {
     /// Those of the map, in its order.
-    pub(super) fn of(scene: &Scene, plan: &Plan, map: &ShadowMap) -> Vec<Self> {
-        let views = map.lights.iter().map(|place| {
-            let light = scene.lights[place.light].clone();
-            let shadow = light.shadow.unwrap_or_default();
-            let spread_texels = match plan.options.shadows.filter {
-                ShadowFilter::Hardware => 0.0,
-                _ => spread_texels(shadow)
-                    .min(place.size.guard.saturating_sub(ShadowMap::FILTER_MARGIN) as f32),
-            };
-            // The farthest sample: a corner of the square, or a point on the circle.
-            let reach = match plan.options.shadows.filter {
-                ShadowFilter::Grid3 | ShadowFilter::Grid5 => spread_texels * std::f32::consts::SQRT_2,
-                ShadowFilter::Hardware | ShadowFilter::Jittered => spread_texels,
-            };
-            Self { light, place: place.clone(), spread_texels, offset_texels: reach + shadow.bias_texels }
-        });
+    pub(super) fn of(scene: &Scene, filter: ShadowFilter, map: &ShadowMap) -> Vec<Self> {
+        let views = map.lights.iter().map(|place| Self::new(&scene.lights[place.light], filter, place));
         views.collect()
+    }
+
+    fn new(light: &Light, filter: ShadowFilter, place: &ShadowLight) -> Self {
+        let shadow = light.shadow.unwrap_or_default();
+        let room = place.size.guard.saturating_sub(ShadowMap::FILTER_MARGIN) as f32;
+        let wanted = spread_texels(shadow).min(room);
+        // And the distance to the farthest sample: a corner of a square, or a point on a circle.
+        let (spread_texels, reach) = match filter {
+            ShadowFilter::Hardware => (0.0, 0.0),
+            ShadowFilter::Grid3 | ShadowFilter::Grid5 => (wanted, wanted * SQRT_2),
+            ShadowFilter::Jittered => (wanted, wanted),
+        };
+        let offset_texels = reach + shadow.bias_texels;
+        Self { light: light.clone(), place: place.clone(), spread_texels, offset_texels }
+    }
+
+    /// Changes the light; its tiles stay the same.
+    pub(super) fn set(&mut self, light: &Light, filter: ShadowFilter) {
+        *self = Self::new(light, filter, &self.place);
+    }
+
+    /// Index into `Scene::lights`.
+    pub(super) fn index(&self) -> usize {
+        self.place.light
+    }
+
+    /// What views its shadow takes.
+    pub(super) fn shape(&self) -> ShadowShape {
+        self.place.shape
     }
 
     /// Calls `want` with what each of the light's tiles should show; `None` where it has no use for one.
@@ -48,6 +65,10 @@ impl LightViews {
         mut want: impl FnMut(usize, Option<ShadowView>),
     ) {
         let Self { light, place, .. } = self;
+        if light.shadow.is_none() || light.is_dark() {
+            place.tiles.clone().for_each(|tile| want(tile, None));
+            return;
+        }
         match place.shape {
             ShadowShape::Cascades => {
                 let cascades =

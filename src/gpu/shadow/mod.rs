@@ -10,6 +10,7 @@ mod pipelines;
 mod tiles;
 
 use ash::vk;
+use glam::Mat4;
 
 use super::descriptor::{Content, DescriptorSets};
 use super::scene_data::SceneData;
@@ -18,9 +19,10 @@ use super::shared::{InstanceData, ShadowViewData};
 use super::{
     Buffer, BufferDesc, Device, Geometry, Image, ImageDesc, MemoryUse, Owned, PipelineCache, StreamKind, conv,
 };
-use crate::Result;
-use crate::plan::{Plan, ShadowMap};
-use crate::scene::{Aabb, Scene};
+use crate::plan::{Plan, ShadowFilter, ShadowMap};
+use crate::scene::{Aabb, Light, Scene};
+use crate::visible::ShadowShape;
+use crate::{Error, Result};
 use casters::{Batch, Casters};
 use lights::LightViews;
 use pipelines::{CasterPipelines, tile_pass};
@@ -116,7 +118,8 @@ pub(super) struct Shadows {
     pipelines: CasterPipelines,
     framebuffer: Owned<vk::Framebuffer>,
     pass: Owned<vk::RenderPass>,
-    instances: Buffer,
+    /// One a frame slot, with the moves that it knows of.
+    instances: Vec<(Buffer, u64)>,
     resources: ShadowResources,
     /// Of each batch of casters, its set among `material_sets`.
     material_set_of: Vec<Option<usize>>,
@@ -129,6 +132,7 @@ pub(super) struct Shadows {
     bounds_world: Aabb,
     tiles: Tiles,
     most_tiles: usize,
+    filter: ShadowFilter,
     /// Whether the image has content, and so a layout.
     in_use: bool,
 }
@@ -156,43 +160,86 @@ impl Shadows {
         let casters = Casters::new(scene, map);
         let bytes = (casters.count() * size_of::<InstanceData>()) as u64;
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        let mut instances =
-            Buffer::new(device, &BufferDesc { name: "casters", bytes, usage, memory: MemoryUse::Upload })?;
-        let content: &mut [InstanceData] = bytemuck::cast_slice_mut(instances.mapped_mut());
-        content.iter_mut().zip(casters.data()).for_each(|(to, from)| *to = from);
+        let buffer =
+            |_| Buffer::new(device, &BufferDesc { name: "casters", bytes, usage, memory: MemoryUse::Upload });
+        let instances: Vec<_> = (0..resources.views.len()).map(buffer).collect::<Result<_>>()?;
         let first = &pipelines.layouts[0];
+        let wanted = vec![(first.sets[0].raw(), first.bindings[0].as_slice()); instances.len()];
         let instance_sets =
-            DescriptorSets::new(device, &[(first.sets[0].raw(), &first.bindings[0])], "shadow casters")?
-                .expect("one set was asked for");
+            DescriptorSets::new(device, &wanted, "shadow casters")?.expect("there is a slot at least");
         let binding = const { shared("BINDING_INSTANCES") };
-        let content = Content::Buffer(&instances, 0, instances.size_bytes());
-        instance_sets.write(0, binding, vk::DescriptorType::STORAGE_BUFFER, &content);
+        for (slot, buffer) in instances.iter().enumerate() {
+            let content = Content::Buffer(buffer, 0, buffer.size_bytes());
+            instance_sets.write(slot, binding, vk::DescriptorType::STORAGE_BUFFER, &content);
+        }
         let (material_sets, material_set_of) =
             material_sets(device, scene, &pipelines, &casters.batches, data)?;
-        let bounds_world = scene.bounds_world().expect("shadows are planned only where something is drawn");
+        let bounds_world = lit_bounds(scene).expect("shadows are planned only where something is lit");
         Ok(Self {
             instance_sets,
             material_sets,
             pipelines,
             framebuffer,
             pass,
-            instances,
+            instances: instances.into_iter().map(|buffer| (buffer, u64::MAX)).collect(),
             resources,
             material_set_of,
             map: map.clone(),
-            lights: LightViews::of(scene, plan, map),
+            lights: LightViews::of(scene, plan.options.shadows.filter, map),
             stream_offsets: casters.batches.iter().map(|b| stream_offsets(data.geometry(), map, b)).collect(),
             casters,
             bounds_world,
             tiles: Tiles::new(map.tiles.len()),
             most_tiles,
+            filter: plan.options.shadows.filter,
             in_use: false,
         })
     }
 
+    /// Moves an element of `Scene::instances`.
+    pub(super) fn set_instance(&mut self, index: usize, world_from_object: &Mat4) {
+        if let Some(bounds) = self.casters.set(index, world_from_object) {
+            let all = self.bounds_world.union(bounds);
+            if all != self.bounds_world {
+                // More than now is needed, because all cascades' depths change with it.
+                let more = (all.max - all.min) * 0.25;
+                self.bounds_world = Aabb { min: all.min - more, max: all.max + more };
+            }
+        }
+    }
+
+    /// Whether a light's shadow can become that of another light.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if that takes other tiles.
+    pub(super) fn check_light(&self, index: usize, light: &Light) -> Result<()> {
+        let mapped = self.lights.iter().find(|l| l.index() == index);
+        let shape = ShadowShape::of(light);
+        match mapped.filter(|l| shape.is_some_and(|shape| shape != l.shape())) {
+            Some(mapped) => Err(Error::unsupported(
+                format!(
+                    "light {index} ('{}') would need a shadow of shape {shape:?}, and the plan has {:?}",
+                    light.name,
+                    mapped.shape()
+                ),
+                "make a plan and a renderer of the scene with the new light",
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// Changes an element of `Scene::lights`, which [`Self::check_light`] has checked.
+    pub(super) fn set_light(&mut self, index: usize, light: &Light) {
+        let filter = self.filter;
+        if let Some(mapped) = self.lights.iter_mut().find(|l| l.index() == index) {
+            mapped.set(light, filter);
+        }
+    }
+
     /// Device memory of the map and of what it is drawn with.
     pub(super) fn allocated_bytes(&self) -> u64 {
-        self.resources.allocated_bytes() + self.instances.allocated_bytes()
+        self.resources.allocated_bytes()
+            + self.instances.iter().map(|(b, _)| b.allocated_bytes()).sum::<u64>()
     }
 }
 
@@ -256,4 +303,11 @@ fn material_sets(
         }
     }
     Ok((Some(sets), set_of))
+}
+
+/// The bounds of what shadows can be seen on.
+fn lit_bounds(scene: &Scene) -> Option<Aabb> {
+    let lit = scene.drawn_instances().filter(|i| !scene.materials[scene.meshes[i.mesh].material].unlit);
+    lit.filter_map(|i| Some(scene.meshes[i.mesh].bounds()?.transformed(&i.world_from_object)))
+        .reduce(|a, b| a.union(&b))
 }

@@ -9,12 +9,22 @@ pub(super) struct Tiles {
     chosen: Vec<usize>,
 }
 
+/// What a tile shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Content {
+    pub(super) view: ShadowView,
+    /// `Casters::signature` of what is in it.
+    pub(super) casters: u64,
+}
+
 #[derive(Clone, Copy, Default)]
 struct Tile {
     /// What it should show; `None` if this frame has no use for it.
-    wanted: Option<ShadowView>,
+    wanted: Option<Content>,
+    /// `Casters::moves` when that was found out.
+    moves: u64,
     /// What it shows.
-    drawn: Option<ShadowView>,
+    drawn: Option<Content>,
     /// For how many frames the two have differed.
     waiting: u32,
 }
@@ -24,15 +34,25 @@ impl Tiles {
         Self { tiles: vec![Tile::default(); count], chosen: Vec::with_capacity(count) }
     }
 
-    /// Says what a tile should show in the next frame.
-    pub(super) fn want(&mut self, tile: usize, view: Option<ShadowView>) {
-        self.tiles[tile].wanted = view;
+    /// Says what a tile should show in the next frame. `moves` is how often casters were moved so far, `signature` says
+    /// which are in a view; it is asked only if either has changed.
+    pub(super) fn want(
+        &mut self,
+        tile: usize,
+        view: Option<ShadowView>,
+        moves: u64,
+        signature: impl Fn(&ShadowView) -> u64,
+    ) {
+        let tile = &mut self.tiles[tile];
+        let known = tile.wanted.filter(|wanted| Some(wanted.view) == view && tile.moves == moves);
+        tile.wanted = known.or_else(|| view.map(|view| Content { view, casters: signature(&view) }));
+        tile.moves = moves;
     }
 
     /// What a tile shows, if it is of use in this frame.
     pub(super) fn shown(&self, tile: usize) -> Option<&ShadowView> {
         let tile = &self.tiles[tile];
-        tile.drawn.as_ref().filter(|_| tile.wanted.is_some())
+        tile.drawn.as_ref().filter(|_| tile.wanted.is_some()).map(|content| &content.view)
     }
 
     /// Decides which tiles to draw, and counts them as drawn: all that never were, and `most` of those that show something
@@ -83,7 +103,7 @@ mod tests {
     }
 
     fn frame(tiles: &mut Tiles, wanted: [Option<ShadowView>; 3], most: usize) -> (Vec<usize>, usize) {
-        wanted.into_iter().enumerate().for_each(|(i, view)| tiles.want(i, view));
+        wanted.into_iter().enumerate().for_each(|(i, view)| tiles.want(i, view, 0, |_| 0));
         let waiting = tiles.choose(most);
         (tiles.chosen().to_vec(), waiting)
     }
@@ -113,5 +133,22 @@ mod tests {
         assert_eq!(drawn, [0, 1, 2, 0].map(|i| (vec![i], 2)));
         assert_eq!([0, 1, 2].map(|i| *tiles.shown(i).unwrap()), [4.0, 2.0, 3.0].map(|x| view(x).unwrap()));
         assert_eq!(frame(&mut tiles, [view(4.0); 3], 9), (vec![1, 2], 0));
+    }
+
+    #[test]
+    fn what_moves_is_drawn_again_where_it_is_seen() {
+        let mut tiles = Tiles::new(2);
+        let mut frame = |moves, signature: u64| {
+            // Tile 0 sees what moves, tile 1 does not.
+            tiles.want(0, view(0.0), moves, |_| signature);
+            tiles.want(1, view(5.0), moves, |_| 7);
+            tiles.choose(9);
+            tiles.chosen().to_vec()
+        };
+        assert_eq!(frame(0, 1), [0, 1]);
+        // Without a move nothing is asked, and nothing can have changed.
+        assert_eq!(frame(0, 2), [0; 0]);
+        assert_eq!(frame(1, 2), [0]);
+        assert_eq!(frame(2, 2), [0; 0]);
     }
 }

@@ -142,7 +142,7 @@ fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &m
                 let problem = format!("there are more than {MAX_INSTANCES} meshes to draw");
                 return Err(doc.bad("nodes", problem, "split the scene into smaller files"));
             }
-            scene.instances.push(Instance { mesh, world_from_object });
+            scene.instances.push(Instance::new(mesh, world_from_object));
         }
     }
     Ok(())
