@@ -11,5 +11,5 @@ layout(set = SET_FRAME, binding = BINDING_FRAME, std140) uniform Frame {
     float exposure;             // multiplier
     float light_scale;          // stored light = exposed light * light_scale
     vec4 ambient_nt;
-    uvec4 light_counts;         // directional, point, spot
+    uvec4 light_counts;         // directional, point, spot, box
 } frame;

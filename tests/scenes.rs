@@ -34,12 +34,13 @@ fn committed_scenes_are_what_the_program_makes() {
 
 #[test]
 fn scenes_load_without_warnings_and_show_what_they_are_for() {
-    let [courtyard, grid, lamps, unlit] = ["courtyard", "grid", "lamps", "unlit"].map(|name| {
-        let scene = load(&assets().join(name).with_extension("glb"));
-        assert_eq!(scene.warnings, [""; 0], "{name}");
-        scene.camera("main").unwrap_or_else(|error| panic!("{name}: {error}"));
-        scene
-    });
+    let [courtyard, grid, interior, lamps, unlit] =
+        ["courtyard", "grid", "interior", "lamps", "unlit"].map(|name| {
+            let scene = load(&assets().join(name).with_extension("glb"));
+            assert_eq!(scene.warnings, [""; 0], "{name}");
+            scene.camera("main").unwrap_or_else(|error| panic!("{name}: {error}"));
+            scene
+        });
     assert!(courtyard.lights.len() > 40 && courtyard.textures.len() > 10);
     let front = grid.camera("front").unwrap();
     assert!(matches!(front.projection, Projection::Orthographic { .. }));
@@ -47,6 +48,13 @@ fn scenes_load_without_warnings_and_show_what_they_are_for() {
     assert!(has(&grid, |kind| matches!(kind, LightKind::Directional { .. })));
     assert!(has(&grid, |kind| matches!(kind, LightKind::Point { .. })));
     assert!(has(&grid, |kind| matches!(kind, LightKind::Spot { .. })));
+    assert_eq!((interior.instances.len(), interior.lights.len()), (72, 9));
+    assert!(
+        interior
+            .instances
+            .iter()
+            .all(|i| interior.materials[interior.meshes[i.mesh].material].normal_texture.is_some())
+    );
     assert!(grid.textures.is_empty() && lamps.textures.is_empty());
     assert!(lamps.instances.iter().any(|instance| instance.is_mirrored()));
     assert!(lamps.materials.iter().any(|m| m.double_sided) && lamps.materials.iter().any(|m| m.unlit));
@@ -98,11 +106,26 @@ fn bench_scenes_have_what_was_asked_for() {
 }
 
 #[test]
+fn the_canyon_is_four_large_meshes_under_one_sun() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("canyon.glb");
+    make(&format!("canyon -o {}", path.display())).unwrap();
+    let scene = load(&path);
+    assert_eq!(scene.warnings, [""; 0]);
+    assert_eq!((scene.instances.len(), scene.lights.len()), (4, 1));
+    assert!(scene.meshes.iter().all(|mesh| mesh.indices.len() > 3 * 30_000));
+    assert!(
+        scene.materials.iter().all(|m| m.normal_texture.is_some() && m.metallic_roughness_texture.is_some())
+    );
+}
+
+#[test]
 fn arguments_that_make_no_sense_are_usage_errors() {
     for arguments in [
         "attic",
         "bench",
         "bench --lights 4 --objects 2",
+        "canyon",
         "bench --lights -4 --objects 2 -o x.glb",
         "bench --lights 4 --objects 2 --range 0 -o x.glb",
         "bench --lights 4 --objects 2 --range inf -o x.glb",

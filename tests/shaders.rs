@@ -10,7 +10,9 @@ mod shader_manifest;
 use ontile::gpu::shader::{
     GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, embedded_names, shared,
 };
-use ontile::gpu::shared::{FrameUniforms, InstanceData, LightData, MaterialData};
+use ontile::gpu::shared::{
+    FrameUniforms, InstanceData, LightData, MaterialData, ShadowPush, ShadowViewData,
+};
 use ontile::plan::Tonemap;
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;
@@ -129,7 +131,7 @@ fn names_are_unique_and_unknown_keys_are_errors() {
     assert!(tangent_only.spirv().unwrap_err().to_string().contains("geometry_t.vert"));
 }
 
-fn blocks() -> [Block; 4] {
+fn blocks() -> [Block; 6] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -166,8 +168,15 @@ fn blocks() -> [Block; 4] {
                 spot_scale,
                 direction_world,
                 spot_offset,
+                shadow,
+                padding,
             }
         ),
+        block!(
+            "ShadowView" =
+                ShadowViewData { map_from_world, tile, texel_m, spread_texels, offset_texels, lift_texels }
+        ),
+        block!("ShadowPush" = ShadowPush { clip_from_world, nearest_depth }),
     ]
 }
 
@@ -188,7 +197,7 @@ fn shared_structs_have_the_shaders_offsets() {
 
 #[test]
 fn wrong_offsets_are_reported() {
-    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact }.spirv().unwrap();
+    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, shadows: false }.spirv().unwrap();
     let light = &blocks()[3];
 
     // Rust's side: two members change places, one is forgotten.
@@ -244,7 +253,7 @@ fn interfaces_have_the_numbers_of_shared_h() {
 fn wrong_interfaces_are_reported() {
     let numbers = shared_numbers();
     let nutc = Module::GeometryVertex { normal: true, texcoord: true, tangent: true, color: true };
-    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128 };
+    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, shadows: true };
     for (module, decoration) in [
         (nutc, Decoration::Location),
         (nutc, Decoration::DescriptorSet),
@@ -308,11 +317,14 @@ fn specialization(module: Module) -> Specialization {
     let geometry = GeometryConstants::default().specialization();
     let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false };
     match module {
-        Module::GeometryVertex { .. } | Module::Fullscreen => Specialization::default(),
-        Module::GeometryFragment { .. } => geometry,
+        Module::GeometryVertex { .. } | Module::Fullscreen | Module::ShadowVertex { .. } => {
+            Specialization::default()
+        }
+        Module::GeometryFragment { .. } | Module::ShadowFragment { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
         Module::Lighting { .. } => {
-            LightingConstants { fold: Some(output), ..Default::default() }.specialization()
+            let shadow_filter = Some(ontile::plan::ShadowFilter::Grid3);
+            LightingConstants { fold: Some(output), shadow_filter, ..Default::default() }.specialization()
         }
         Module::Tonemap => output.specialization(),
     }

@@ -57,10 +57,11 @@ impl FrameData {
         let instances = self.instances.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
         let seen_objects = objects.write_visible(frustum.as_ref(), instances.unwrap_or_default());
         let light_list = bytemuck::cast_slice_mut(self.lights.mapped_mut());
-        let [directional, point, spot] = lights.write_visible(frustum.as_ref(), light_list);
-        uniforms.light_counts = [directional, point, spot, 0];
+        let [directional, point, spot, boxes, hemispheres] =
+            lights.write_visible(frustum.as_ref(), light_list);
+        uniforms.light_counts = [directional, point, spot, boxes];
         self.uniforms.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
-        Seen { objects: seen_objects, lights: (directional + point + spot) as usize }
+        Seen { objects: seen_objects, lights: (directional + point + spot + boxes + hemispheres) as usize }
     }
 
     /// Size of the memory.

@@ -8,7 +8,7 @@ use crate::visible::{Frustum, Reach};
 use crate::{Error, Result};
 
 /// How many kinds of lights shaders tell apart.
-const KINDS: usize = 3;
+const KINDS: usize = 5;
 
 /// All lights, in the scene's order.
 pub(super) struct Lights {
@@ -43,6 +43,8 @@ fn kind_index(kind: &LightKind) -> usize {
         LightKind::Directional { .. } | LightKind::Hemisphere { .. } | LightKind::Box { .. } => 0,
         LightKind::Point { .. } => 1,
         LightKind::Spot { .. } => 2,
+        LightKind::Box { .. } => 3,
+        LightKind::Hemisphere { .. } => 4,
     }
 }
 
@@ -95,7 +97,7 @@ impl Lights {
     }
 
     /// Writes those that reach something that the view sees (all of them without a view) and are not dark, and returns
-    /// how many they are of each kind: directional, point, spot.
+    /// how many they are of each kind: directional, point, spot, box, hemisphere.
     pub(super) fn write_visible(&self, view: Option<&Frustum>, out: &mut [LightData]) -> [u32; KINDS] {
         let mut counts = [0; KINDS];
         let mut end = 0;

@@ -29,7 +29,7 @@ pub struct FrameUniforms {
     pub light_scale: f32,
     /// Radiance from every direction, cd/m². w unused.
     pub ambient_nt: [f32; 4],
-    /// How many directional, point and spot lights there are; lights are sorted in this order. The last is unused.
+    /// How many directional, point, spot and box lights there are; lights are sorted in this order.
     pub light_counts: [u32; 4],
 }
 

@@ -14,7 +14,13 @@ use crate::scene::Light;
 /// 2007, 19.4.1). Zero where the surface is not lit.
 ///
 /// `to_viewer` is the unit vector from the surface to the viewer, world space.
-pub fn reflected(attributes: &Attributes, to_viewer: DVec3, lights: &[Light]) -> DVec3 {
+/// `hidden` says whether something stands between the surface and the light with this index, in whose direction it is.
+pub fn reflected(
+    attributes: &Attributes,
+    to_viewer: DVec3,
+    lights: &[Light],
+    hidden: impl Fn(usize, DVec3) -> bool,
+) -> DVec3 {
     if !attributes.lit {
         return DVec3::ZERO;
     }
@@ -22,12 +28,13 @@ pub fn reflected(attributes: &Attributes, to_viewer: DVec3, lights: &[Light]) ->
     let lambert = attributes.base_color * (1.0 - attributes.metallic) * FRAC_1_PI;
     lights
         .iter()
-        .filter(|light| !light.is_dark())
-        .map(|light| {
+        .enumerate()
+        .filter(|(_, light)| !light.is_dark())
+        .map(|(index, light)| {
             let incident = incident(light, attributes.position_world);
             let diffuse = lambert * diffuse_irradiance(light, &incident, n);
             let n_dot_l = n.dot(incident.to_light);
-            if n_dot_l <= 0.0 || incident.illuminance == DVec3::ZERO {
+            if n_dot_l <= 0.0 || incident.illuminance == DVec3::ZERO || hidden(index, incident.to_light) {
                 return diffuse;
             }
             diffuse + brdf(attributes, n, to_viewer, incident.to_light) * incident.illuminance * n_dot_l
@@ -36,7 +43,7 @@ pub fn reflected(attributes: &Attributes, to_viewer: DVec3, lights: &[Light]) ->
 }
 
 /// Exposed light towards the viewer: what the surface sends by itself and what it reflects, times `exposure`
-/// (the multiplier 2^EV).
+/// (the multiplier 2^EV); nothing stands between it and the lights.
 pub fn shade(attributes: &Attributes, to_viewer: DVec3, lights: &[Light], exposure: f64) -> DVec3 {
-    (attributes.prelit + reflected(attributes, to_viewer, lights)) * exposure
+    (attributes.prelit + reflected(attributes, to_viewer, lights, |_, _| false)) * exposure
 }

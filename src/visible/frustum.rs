@@ -106,6 +106,15 @@ impl Frustum {
                 };
                 self.any_outside(apex_world, along)
             }
+            Reach::Box { center_world, half_axes_world } => {
+                let Self { normal: n, error: e, .. } = self;
+                let along = |i: usize| {
+                    let normal = Vec3::new(n[0][i], n[1][i], n[2][i]);
+                    let error = Vec3::new(e[0][i], e[1][i], e[2][i]) + normal.abs() * ROUNDING;
+                    half_axes_world.iter().map(|axis| normal.dot(*axis).abs() + error.dot(axis.abs())).sum()
+                };
+                self.any_outside(center_world, along)
+            }
         }
     }
 

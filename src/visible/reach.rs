@@ -29,6 +29,13 @@ pub enum Reach {
         /// The sphere's radius, metres; may be infinite.
         range_m: f32,
     },
+    /// A box that stands in any way.
+    Box {
+        /// World space, metres.
+        center_world: Vec3,
+        /// From the centre to the middles of three faces, metres.
+        half_axes_world: [Vec3; 3],
+    },
 }
 
 impl Reach {
@@ -41,8 +48,12 @@ impl Reach {
         let sphere =
             range_m.map_or(Self::Everywhere, |radius_m| Self::Sphere { center_world: position, radius_m });
         match light.kind {
-            LightKind::Directional { .. } | LightKind::Hemisphere { .. } | LightKind::Box { .. } => {
-                Self::Everywhere
+            LightKind::Directional { .. } | LightKind::Hemisphere { .. } => Self::Everywhere,
+            LightKind::Box { size_m, .. } => {
+                let half = size_m * (0.5 * (1.0 + Self::WIDER));
+                let half_axes_world =
+                    [light.right_world() * half.x, light.up_world * half.y, light.direction_world * half.z];
+                Self::Box { center_world: position, half_axes_world }
             }
             LightKind::Point { .. } => sphere,
             LightKind::Spot { outer_cone_rad, .. } => match outer_cone_rad.cos() - Self::WIDER {

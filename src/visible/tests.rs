@@ -89,8 +89,7 @@ proptest! {
     ) {
         let position_world = eye + at;
         let kind = LightKind::Spot { intensity_cd: 1.0, inner_cone_rad: 0.0, outer_cone_rad };
-        let light =
-            Light { name: String::new(), color: Vec3::ONE, kind, position_world, direction_world, range_m };
+        let light = Light { position_world, range_m, ..Light::new(kind) }.towards(direction_world);
         let reach = Reach::of(&light);
         if Frustum::new(&clip_from_world).misses(&reach) {
             let range = f64::from(range_m.unwrap_or(1e3));
@@ -100,6 +99,24 @@ proptest! {
             let inside = |p: DVec3| sees(&clip_from_world, position_world.as_dvec3() + rotation * p * range);
             let squeezed = |p: DVec3| DVec3::new(p.x * f64::from(outer_cone_rad).sin(), p.y, p.z);
             prop_assert!(!ball().chain(ball().map(squeezed)).filter(lit).any(inside));
+        }
+    }
+
+    #[test]
+    fn missed_box_lights_light_no_point_inside(
+        (clip_from_world, eye) in clip_from_world(), at in vector(20.0), direction_world in unit(),
+        size in vector(10.0)
+    ) {
+        let size_m = size.abs();
+        let kind = LightKind::Box { illuminance_lx: 1.0, size_m, falloff_m: 0.0 };
+        let light = Light { position_world: eye + at, ..Light::new(kind) }.towards(direction_world);
+        if Frustum::new(&clip_from_world).misses(&Reach::of(&light)) {
+            let axes = [light.right_world(), light.up_world, -light.direction_world].map(|a| a.as_dvec3());
+            let world = |p: DVec3| {
+                let local = (p - 0.5) * size_m.as_dvec3();
+                light.position_world.as_dvec3() + axes[0] * local.x + axes[1] * local.y + axes[2] * local.z
+            };
+            prop_assert!(!cube().any(|p| sees(&clip_from_world, world(p))));
         }
     }
 }

@@ -3,7 +3,7 @@
 pub use super::model::{Light, LightKind, Material, Pose, Slot};
 
 use super::mesh::Mesh;
-use super::texture::{Encoded, Mime};
+use super::texture::{Encoded, Mime, Surface};
 use glam::{Quat, Vec2, Vec3, Vec4};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -61,6 +61,7 @@ impl Glb {
             normal["scale"] = number(m.normal_scale);
         }
         self.slot(&mut material, "occlusionTexture", m.occlusion_texture);
+        self.slot(&mut material, "emissiveTexture", m.emissive_texture);
         if m.emissive != Vec3::ZERO {
             material.insert("emissiveFactor".into(), numbers(m.emissive.to_array()));
         }
@@ -83,6 +84,22 @@ impl Glb {
             material.insert("extensions".into(), Value::Object(extensions));
         }
         self.add("materials", Value::Object(material))
+    }
+
+    /// A material of a surface's three textures, which repeat `per_m` times a metre.
+    pub fn textured(&mut self, name: &'static str, surface: &Surface, per_m: f32) -> Material {
+        let maps = surface.maps();
+        let orm =
+            self.texture(&format!("{name} occlusion roughness metallic"), &maps.occlusion_roughness_metallic);
+        Material {
+            name,
+            base_color_texture: Some(self.texture(name, &maps.base_color).scaled(per_m)),
+            metallic: 1.0,
+            metallic_roughness_texture: Some(orm.scaled(per_m)),
+            normal_texture: Some(self.texture(&format!("{name} normal"), &maps.normal).scaled(per_m)),
+            occlusion_texture: Some(orm.scaled(per_m)),
+            ..Material::default()
+        }
     }
 
     /// Stores a mesh's vertices and triangles once, for any number of [`Self::mesh`].
@@ -180,6 +197,11 @@ impl Glb {
         });
         let extension = self.uses("KHR_lights_punctual");
         self.node(light.name, pose, json!({"extensions": {extension: {"light": index}}}))
+    }
+
+    /// What ontile reads of a light's node besides glTF: its `extras`.
+    pub fn extras(&mut self, node: usize, ontile: Value) {
+        self.lists.get_mut("nodes").expect("the node exists")[node]["extras"] = json!({"ontile": ontile});
     }
 
     /// Adds and places a pinhole camera with this vertical field of view. Its far plane is at infinity.

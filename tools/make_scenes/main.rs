@@ -4,9 +4,11 @@
 //! `--help` tells more.
 
 mod bench;
+mod canyon;
 mod courtyard;
 mod glb;
 mod grid;
+mod interior;
 mod lamps;
 mod mesh;
 mod model;

@@ -31,6 +31,7 @@ pub struct Material {
     pub normal_scale: f32,
     pub occlusion_texture: Option<Slot>,
     pub emissive: Vec3,
+    pub emissive_texture: Option<Slot>,
     /// KHR_materials_emissive_strength; 1 leaves the extension out.
     pub emissive_strength: f32,
     /// Discards what has less alpha.
@@ -53,6 +54,7 @@ impl Default for Material {
             normal_scale: 1.0,
             occlusion_texture: None,
             emissive: Vec3::ZERO,
+            emissive_texture: None,
             emissive_strength: 1.0,
             alpha_cutoff: None,
             double_sided: false,

@@ -1,6 +1,6 @@
 //! The command line: which scenes are made, and whether they are written or compared.
 
-use super::{bench, courtyard, grid, lamps, unlit};
+use super::{bench, canyon, courtyard, grid, interior, lamps, unlit};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::fs;
 use std::io::ErrorKind;
@@ -26,6 +26,12 @@ pub struct Arguments {
 enum Command {
     /// Make a scene to measure with: objects on a floor of 24 m by 24 m under coloured point lights
     Bench(Bench),
+    /// Make an exterior to measure with: a canyon of four large meshes under the sun
+    Canyon {
+        /// The file to write
+        #[arg(short, long, value_name = "FILE")]
+        output: PathBuf,
+    },
 }
 
 #[derive(Args)]
@@ -57,6 +63,8 @@ pub enum Shipped {
     Courtyard,
     /// Spheres from plastic to metal, from glossy to matt
     Grid,
+    /// A generator hall at night
+    Interior,
     /// A still life of things that glow
     Lamps,
     /// A poster and solids that no light touches
@@ -69,6 +77,7 @@ impl Shipped {
         match self {
             Self::Courtyard => "courtyard.glb",
             Self::Grid => "grid.glb",
+            Self::Interior => "interior.glb",
             Self::Lamps => "lamps.glb",
             Self::Unlit => "unlit.glb",
         }
@@ -79,6 +88,7 @@ impl Shipped {
         match self {
             Self::Courtyard => courtyard::glb(),
             Self::Grid => grid::glb(),
+            Self::Interior => interior::glb(),
             Self::Lamps => lamps::glb(),
             Self::Unlit => unlit::glb(),
         }
@@ -87,16 +97,20 @@ impl Shipped {
 
 /// Does what the command line asks for, or tells in one line what went wrong.
 pub fn run(arguments: &Arguments) -> Result<(), String> {
-    if let Some(Command::Bench(options)) = &arguments.command {
-        let path = &options.output;
-        let options = bench::Options {
-            lights: options.lights as usize,
-            objects: options.objects as usize,
-            range_m: options.range_m,
-            padding_bytes: options.megabytes as usize * 1_000_000,
-            distinct: options.distinct,
-        };
-        return write(path, &bench::glb(&options));
+    match &arguments.command {
+        Some(Command::Bench(options)) => {
+            let path = &options.output;
+            let options = bench::Options {
+                lights: options.lights as usize,
+                objects: options.objects as usize,
+                range_m: options.range_m,
+                padding_bytes: options.megabytes as usize * 1_000_000,
+                distinct: options.distinct,
+            };
+            return write(path, &bench::glb(&options));
+        }
+        Some(Command::Canyon { output }) => return write(output, &canyon::glb()),
+        None => {}
     }
     let all = Shipped::value_variants();
     let names = if arguments.names.is_empty() { all } else { &arguments.names };

@@ -1,7 +1,7 @@
 //! The courtyard's materials.
 
 use super::super::glb::{Glb, Material};
-use super::super::texture::{Surface, linear, masked_picture, picture, srgb};
+use super::super::texture::{linear, masked_picture, picture, srgb};
 use super::surface;
 use glam::Vec3;
 
@@ -43,12 +43,12 @@ pub const AMBER: Vec3 = Vec3::new(1.0, 0.44, 0.12);
 impl Palette {
     /// Draws the textures and adds all materials.
     pub fn new(glb: &mut Glb) -> Self {
-        let paving = textured(glb, "paving", &surface::paving(), 1.0 / 3.0);
-        let wall = textured(glb, "sandstone", &surface::wall(), 1.0 / 2.4);
-        let limestone = textured(glb, "limestone", &surface::limestone(), 1.0);
-        let bronze = textured(glb, "bronze", &surface::bronze(), 2.0);
-        let iron = textured(glb, "iron", &surface::iron(), 4.0);
-        let wood = textured(glb, "oak", &surface::wood(), 1.0 / 1.2);
+        let paving = glb.textured("paving", &surface::paving(), 1.0 / 3.0);
+        let wall = glb.textured("sandstone", &surface::wall(), 1.0 / 2.4);
+        let limestone = glb.textured("limestone", &surface::limestone(), 1.0);
+        let bronze = glb.textured("bronze", &surface::bronze(), 2.0);
+        let iron = glb.textured("iron", &surface::iron(), 4.0);
+        let wood = glb.textured("oak", &surface::wood(), 1.0 / 1.2);
         let weave = glb.texture("weave normal", &surface::cloth().normal());
         let ripples = glb.texture("ripples normal", &surface::water().normal());
         let banner_pictures =
@@ -138,21 +138,5 @@ impl Palette {
             iron: glb.material(&iron),
             wood: glb.material(&wood),
         }
-    }
-}
-
-/// A material of three textures that repeat `per_m` times a metre.
-fn textured(glb: &mut Glb, name: &'static str, surface: &Surface, per_m: f32) -> Material {
-    let maps = surface.maps();
-    let orm =
-        glb.texture(&format!("{name} occlusion roughness metallic"), &maps.occlusion_roughness_metallic);
-    Material {
-        name,
-        base_color_texture: Some(glb.texture(name, &maps.base_color).scaled(per_m)),
-        metallic: 1.0,
-        metallic_roughness_texture: Some(orm.scaled(per_m)),
-        normal_texture: Some(glb.texture(&format!("{name} normal"), &maps.normal).scaled(per_m)),
-        occlusion_texture: Some(orm.scaled(per_m)),
-        ..Material::default()
     }
 }
