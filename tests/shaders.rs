@@ -10,9 +10,7 @@ mod shader_manifest;
 use ontile::gpu::shader::{
     GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, embedded_names, shared,
 };
-use ontile::gpu::shared::{
-    FrameUniforms, InstanceData, LightData, MaterialData, ShadowPush, ShadowViewData,
-};
+use ontile::gpu::shared::{FrameUniforms, InstanceData, LightData, MaterialData, ShadowPush, ShadowViewData};
 use ontile::plan::Tonemap;
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;

@@ -40,7 +40,7 @@ impl Placed {
 /// Which of [`KINDS`] it is; lights of a kind follow each other in the buffer, in this order.
 fn kind_index(kind: &LightKind) -> usize {
     match kind {
-        LightKind::Directional { .. } | LightKind::Hemisphere { .. } | LightKind::Box { .. } => 0,
+        LightKind::Directional { .. } => 0,
         LightKind::Point { .. } => 1,
         LightKind::Spot { .. } => 2,
         LightKind::Box { .. } => 3,

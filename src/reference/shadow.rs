@@ -70,7 +70,8 @@ mod tests {
     fn what_faces_the_light_hides_it() {
         let point = LightKind::Point { intensity_cd: 1.0 };
         let sun = LightKind::Directional { illuminance_lx: 1.0 };
-        let boxed = |z| LightKind::Box { illuminance_lx: 1.0, size_m: Vec3::new(3.0, 3.0, z), falloff_m: 0.1 };
+        let boxed =
+            |z| LightKind::Box { illuminance_lx: 1.0, size_m: Vec3::new(3.0, 3.0, z), falloff_m: 0.1 };
         let above = Vec3::Z * 3.0;
         assert!(hidden(point, above, true) && hidden(sun, Vec3::ZERO, true));
         assert!(hidden(boxed(4.0), Vec3::ZERO, true));

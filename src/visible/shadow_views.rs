@@ -188,3 +188,146 @@ fn light_frame(direction: DVec3) -> DMat3 {
 fn from_rows(rows: [DVec4; 4]) -> Mat4 {
     DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose().as_mat4()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Shadow;
+    use glam::Vec3;
+
+    const TILE: TileSize = TileSize { texels: 512, guard: 5 };
+    const BOUNDS: Aabb = Aabb { min: Vec3::new(-20.0, 0.0, -20.0), max: Vec3::new(20.0, 6.0, 20.0) };
+
+    /// Where a point is in the tile, texels, and its depth.
+    fn texel(view: &ShadowView, tile: TileSize, point: DVec3) -> DVec3 {
+        let clip = view.clip_from_world.as_dmat4() * point.extend(1.0);
+        let ndc = clip.truncate() / clip.w;
+        DVec3::new((ndc.x * 0.5 + 0.5) * tile.side(), (ndc.y * 0.5 + 0.5) * tile.side(), ndc.z)
+    }
+
+    /// Whether it is inside the tile's guard.
+    fn inside(at: DVec3, tile: TileSize) -> bool {
+        let guard = f64::from(tile.guard);
+        [at.x, at.y].iter().all(|&n| n > guard && n < tile.side() - guard) && (0.0..=1.0).contains(&at.z)
+    }
+
+    /// Directions in all quarters, one along an axis.
+    fn directions() -> [DVec3; 4] {
+        [
+            DVec3::NEG_Y,
+            DVec3::new(0.3, -1.0, 0.2).normalize(),
+            DVec3::new(-0.9, -0.2, 0.5).normalize(),
+            DVec3::new(0.1, 0.7, -0.4).normalize(),
+        ]
+    }
+
+    fn light(kind: LightKind) -> Light {
+        let light = Light::new(kind).towards(Vec3::new(0.4, -1.0, 0.3));
+        Light { position_world: Vec3::new(1.0, 4.0, -2.0), shadow: Some(Shadow::default()), ..light }
+    }
+
+    #[test]
+    fn texels_keep_their_places_while_the_camera_moves() {
+        // In texels: f32 rounds places of some metres in a map of some metres to this.
+        const ROUNDING: f64 = 1e-3;
+        for direction in directions() {
+            let point = DVec3::new(1.7, 0.3, -2.2);
+            let at = |x: f64| {
+                let sphere = Sphere { center: DVec3::new(x, 0.5 * x, -0.3 * x), radius_m: 7.0 };
+                ShadowView::cascade(direction, &sphere, &BOUNDS, TILE)
+            };
+            let first = at(0.0);
+            let mut views = 1;
+            let mut last = first;
+            for step in 1..400 {
+                // A tenth of a texel along the longest axis.
+                let view = at(f64::from(step) * 0.1 * f64::from(first.texel_m));
+                views += usize::from(view != last);
+                last = view;
+                let moved = texel(&view, TILE, point) - texel(&first, TILE, point);
+                assert!((moved.x - moved.x.round()).abs() < ROUNDING, "{direction}, {step}: {moved}");
+                assert!((moved.y - moved.y.round()).abs() < ROUNDING, "{direction}, {step}: {moved}");
+                assert_eq!(moved.z, 0.0, "{direction}, {step}");
+            }
+            // 40 texels at most, in steps of 32.
+            assert!((1..=5).contains(&views), "{direction}: {views}");
+        }
+    }
+
+    #[test]
+    fn a_cascade_holds_its_sphere_and_all_depths() {
+        for (direction, x) in directions().into_iter().zip([0.0, 0.77, -3.1, 12.3]) {
+            let sphere = Sphere { center: DVec3::new(x, 1.0, -x), radius_m: 3.0 };
+            let view = ShadowView::cascade(direction, &sphere, &BOUNDS, TILE);
+            let (a, b) = direction.any_orthonormal_pair();
+            for edge in [a, -a, b, -b] {
+                let at = texel(&view, TILE, sphere.center + edge * sphere.radius_m);
+                assert!(inside(at.with_z(0.5), TILE), "{direction}: {at}");
+            }
+            for corner in 0..8 {
+                let pick = |axis: usize| [BOUNDS.min, BOUNDS.max][corner >> axis & 1][axis];
+                let depth = texel(&view, TILE, Vec3::new(pick(0), pick(1), pick(2)).as_dvec3()).z;
+                assert!((0.0..=1.0).contains(&depth), "{direction}: {depth}");
+            }
+            let [near, far] = [-1.0, 1.0].map(|d| texel(&view, TILE, sphere.center + direction * d).z);
+            assert!(near > far, "nearer to the light is more");
+            let wide = texel(&view, TILE, sphere.center + a * f64::from(view.texel_m))
+                - texel(&view, TILE, sphere.center);
+            assert!((wide.truncate().length() - 1.0).abs() < 1e-3, "{wide}");
+        }
+    }
+
+    #[test]
+    fn a_cone_holds_its_light() {
+        for outer_cone_rad in [0.05, 0.4, 0.9, MOST_CONE_RAD] {
+            let lamp = light(LightKind::Spot { intensity_cd: 1.0, inner_cone_rad: 0.0, outer_cone_rad });
+            assert_eq!(ShadowShape::of(&lamp), Some(ShadowShape::Cone));
+            let view = ShadowView::cone(&lamp, TILE);
+            let axis = lamp.direction_world.as_dvec3();
+            let (a, b) = axis.any_orthonormal_pair();
+            for edge in [a, -a, b, -b] {
+                let ray = axis + edge * f64::from(outer_cone_rad).tan() * 0.999;
+                for distance in [0.1, 3.0, 500.0] {
+                    let at = texel(&view, TILE, lamp.position_world.as_dvec3() + ray * distance);
+                    assert!(inside(at, TILE), "{outer_cone_rad}: {at}");
+                    assert!((at.z - NEAR_M / distance).abs() < 1e-6);
+                }
+            }
+        }
+        let wide = LightKind::Spot { intensity_cd: 1.0, inner_cone_rad: 0.0, outer_cone_rad: 1.2 };
+        assert_eq!(ShadowShape::of(&light(wide)), Some(ShadowShape::Cube));
+    }
+
+    #[test]
+    fn faces_share_their_edges_and_overlap_by_the_guard() {
+        let lamp = light(LightKind::Point { intensity_cd: 1.0 });
+        let center = lamp.position_world.as_dvec3();
+        for face in 0..ShadowShape::FACES {
+            let view = ShadowView::face(&lamp, face, TILE);
+            let axis = DVec3::AXES[face / 2] * if face % 2 == 0 { 1.0 } else { -1.0 };
+            let (a, b) = (DVec3::new(axis.y, axis.z, axis.x), DVec3::new(axis.z, axis.x, axis.y));
+            for (s, t) in [(1.0, 1.0), (-1.0, 0.3), (0.2, -1.0), (0.0, 0.0)] {
+                let at = texel(&view, TILE, center + (axis + (a * s + b * t) * (1.0 - 1e-9)) * 2.5);
+                assert!(inside(at, TileSize { guard: TILE.guard - 1, ..TILE }), "{face}: {at}");
+                let edge = at.x.min(at.y).min(TILE.side() - at.x).min(TILE.side() - at.y);
+                assert_eq!((edge - f64::from(TILE.guard)).abs() < 1e-3, s.abs().max(t.abs()) == 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_slab_is_the_box() {
+        let size_m = Vec3::new(4.0, 2.0, 6.0);
+        let lamp = light(LightKind::Box { illuminance_lx: 1.0, size_m, falloff_m: 0.1 });
+        let view = ShadowView::slab(&lamp, TILE);
+        let (x, y, z) = (lamp.right_world(), lamp.up_world, lamp.direction_world);
+        for (s, t, u) in [(-1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (0.5, 1.0, 0.0)] {
+            let half = size_m * 0.5 * 0.999;
+            let place = lamp.position_world + x * half.x * s + y * half.y * t + z * half.z * u;
+            let at = texel(&view, TILE, place.as_dvec3());
+            assert!(inside(at, TILE), "{at}");
+            assert!((at.z - f64::from(0.5 - 0.5 * u)).abs() < 1e-3, "{at}");
+        }
+        assert!(!view.pancaked, "what is outside of the box casts no shadow");
+    }
+}

@@ -118,6 +118,7 @@ impl Gpu {
             layout: None,
             light_target,
             light_scale: if light_target { f64::from(layout.light_scale()) } else { 1.0 },
+            ..Settings::default()
         };
         let mut offscreen = Offscreen::new(device, scene, plan, RendererConfig::default(), &self.cache)
             .expect("a renderer can be made");
