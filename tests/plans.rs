@@ -4,7 +4,7 @@ mod common;
 
 use common::expected::Expected;
 use common::scenes;
-use ontile::plan::{Layout, Limits, Needs, Options, OutputFormat, Plan, Strategy};
+use ontile::plan::{Layout, Limits, Needs, Options, OutputFormat, Path, Plan, Strategy};
 use ontile::scene::Scene;
 
 fn plan(scene: &Scene, options: Options) -> Plan {
@@ -13,6 +13,10 @@ fn plan(scene: &Scene, options: Options) -> Plan {
 
 fn separate() -> Options {
     Options { strategy: Strategy::Separate, ..Options::default() }
+}
+
+fn forward() -> Options {
+    Options { path: Path::Forward, ..Options::default() }
 }
 
 /// The first line that differs.
@@ -44,6 +48,7 @@ fn printed() -> Vec<(String, String)> {
             plan(&features, Options { output_is_input_attachment: false, ..default() }),
         ),
         ("every_feature_kept".into(), plan(&features, Options { keep_gbuffer: true, ..default() })),
+        ("every_feature_forward".into(), plan(&features, forward())),
         ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
         ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),
     ];

@@ -278,7 +278,10 @@ fn fragments_read_what_vertices_write() {
     for (vertex, written) in &all {
         let Module::GeometryVertex { texcoord, .. } = *vertex else { continue };
         for (fragment, read) in &all {
-            let (Module::GeometryFragment { textured, .. } | Module::Unlit { textured }) = *fragment else {
+            let (Module::GeometryFragment { textured, .. }
+            | Module::Unlit { textured }
+            | Module::Forward { textured, .. }) = *fragment
+            else {
                 continue;
             };
             if textured && !texcoord {
@@ -289,8 +292,8 @@ fn fragments_read_what_vertices_write() {
             pairs += 1;
         }
     }
-    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 5 of each.
-    assert_eq!(pairs, 5 * (10 + 6));
+    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 7 of each.
+    assert_eq!(pairs, 7 * (10 + 6));
 }
 
 #[test]
@@ -320,6 +323,11 @@ fn specialization(module: Module) -> Specialization {
         }
         Module::GeometryFragment { .. } | Module::ShadowFragment { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
+        Module::Forward { .. } => {
+            let shadow_filter = Some(ontile::plan::ShadowFilter::Grid3);
+            let lighting = LightingConstants { fold: Some(output), shadow_filter, ..Default::default() };
+            geometry.and(lighting.specialization())
+        }
         Module::Lighting { .. } => {
             let shadow_filter = Some(ontile::plan::ShadowFilter::Grid3);
             LightingConstants { fold: Some(output), shadow_filter, ..Default::default() }.specialization()

@@ -1,5 +1,7 @@
 // Written by tools/shaders.
 embed![
+    "forward.frag",
+    "forward_textured.frag",
     "fullscreen.vert",
     "geometry_c.vert",
     "geometry_exact.frag",

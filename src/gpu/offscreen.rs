@@ -124,6 +124,11 @@ impl Offscreen {
         &self.renderer
     }
 
+    /// The renderer, to move what it draws.
+    pub fn renderer_mut(&mut self) -> &mut Renderer {
+        &mut self.renderer
+    }
+
     /// The ledger with what the device said about the frames so far.
     pub fn report(&self, scene: &Scene) -> Report {
         let plan = self.renderer.plan();

@@ -92,6 +92,13 @@ pub enum Module {
         /// Whether the material has any texture.
         textured: bool,
     },
+    /// Lights a surface as it is drawn and writes the output.
+    Forward {
+        /// Whether the material has any texture.
+        textured: bool,
+        /// Whether lights cast shadows.
+        shadows: bool,
+    },
     /// Shades the G-buffer by punctual lights.
     Lighting {
         /// How the G-buffer is laid out.
@@ -137,6 +144,9 @@ impl Module {
             all.extend([false, true].map(|shadows| Self::Lighting { layout, shadows }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
+        for (textured, shadows) in [(false, false), (false, true), (true, false), (true, true)] {
+            all.push(Self::Forward { textured, shadows });
+        }
         all.extend([Self::Tonemap, Self::Fullscreen]);
         for (masked, texcoord, color) in
             [(false, false, false), (true, true, false), (true, false, true), (true, true, true)]
@@ -167,6 +177,9 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
+            Self::Forward { textured, shadows } => {
+                format!("forward{}{}.frag", suffix(shadows, "_shadows"), suffix(textured, "_textured"))
+            }
             Self::Lighting { layout, shadows } => {
                 format!("lighting_{layout}{}.frag", suffix(shadows, "_shadows"))
             }
@@ -186,6 +199,7 @@ impl Module {
             Self::GeometryVertex { .. } => "geometry.vert",
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
+            Self::Forward { .. } => "forward.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
@@ -200,6 +214,7 @@ impl Module {
             Self::GeometryVertex { .. } | Self::Fullscreen | Self::ShadowVertex { .. } => Stage::Vertex,
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
+            | Self::Forward { .. }
             | Self::Lighting { .. }
             | Self::Tonemap
             | Self::ShadowFragment { .. } => Stage::Fragment,
@@ -228,6 +243,7 @@ impl Module {
                 (textured, "TEXTURED"),
             ]),
             Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Forward { textured, shadows } => chosen(&[(textured, "TEXTURED"), (shadows, "SHADOWS")]),
             Self::Lighting { layout, shadows } => {
                 chosen(&[(true, layout_define(layout)), (shadows, "SHADOWS")])
             }

@@ -189,7 +189,8 @@ pub struct Dependency {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Pipeline {
-    /// Draws one kind of surface into the G-buffer, or straight to the output in a wholly unlit scene.
+    /// Draws one kind of surface: into the G-buffer, or straight to the output where nothing is lit or all is lit at
+    /// once (the path `forward`).
     Surface(SurfaceKind),
     /// Shades the G-buffer.
     Lighting,
@@ -210,7 +211,9 @@ pub struct Plan {
     pub passes: Vec<Pass>,
     /// Pipelines with the stage they belong to.
     pub pipelines: Vec<(usize, Pipeline)>,
-    /// Whether lighting applies the tone curve itself, so that there is no light target.
+    /// The path taken: never [`Path::Auto`]. Without lit surfaces they are all the same.
+    pub path: Path,
+    /// Whether the stage that lights applies the tone curve itself, so that there is no light target.
     pub folded: bool,
     /// The shadow map, where lights cast shadows; it is drawn before the first pass.
     pub shadow_map: Option<ShadowMap>,
@@ -228,16 +231,23 @@ impl Plan {
         check_size(options.size, limits)?;
         check_dither(&options)?;
         check_ways(&options)?;
-        let frame = stage::Frame::new(&needs, &options);
+        let path = options.path;
+        let frame = stage::Frame::new(&needs, &options, path);
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
         check_counts(&passes, &options, limits)?;
         let pipelines = pipelines(&frame, &needs);
-        let mut notes = notes(&needs, &options, &attachments, frame.folded);
+        let mut notes = notes(&needs, &options, path, &attachments, frame.folded);
         let (shadow_map, shadow_notes) = ShadowMap::new(&needs.shadows, &options, limits);
         notes.extend(shadow_notes);
-        Ok(Self { options, needs, attachments, passes, pipelines, folded: frame.folded, shadow_map, notes })
+        let folded = frame.folded;
+        Ok(Self { options, needs, attachments, passes, pipelines, path, folded, shadow_map, notes })
+    }
+
+    /// Whether surfaces are lit after all are known, from a G-buffer.
+    pub fn has_gbuffer(&self) -> bool {
+        self.needs.lit.is_some() && self.path == Path::Deferred
     }
 
     /// Whether a light target exists.
@@ -286,10 +296,16 @@ fn check_dither(options: &Options) -> crate::Result<()> {
 }
 
 fn check_ways(options: &Options) -> crate::Result<()> {
-    if options.path != Path::Deferred {
+    if matches!(options.path, Path::ForwardMultipass | Path::Auto) {
         return Err(crate::Error::unsupported(
             format!("the path {} is not there yet", options.path),
-            "choose the path deferred",
+            "choose the path deferred or forward",
+        ));
+    }
+    if options.path != Path::Deferred && options.keep_gbuffer {
+        return Err(crate::Error::unsupported(
+            format!("the path {} has no G-buffer that could be kept", options.path),
+            "choose the path deferred, or leave `keep_gbuffer` out",
         ));
     }
     if options.lights != LightWay::Fullscreen {
@@ -327,10 +343,21 @@ fn pipelines(frame: &stage::Frame, needs: &Needs) -> Vec<(usize, Pipeline)> {
     surfaces.chain(lighting).chain(tonemap).collect()
 }
 
-fn notes(needs: &Needs, options: &Options, attachments: &[Attachment], folded: bool) -> Vec<String> {
+fn notes(
+    needs: &Needs,
+    options: &Options,
+    path: Path,
+    attachments: &[Attachment],
+    folded: bool,
+) -> Vec<String> {
     let mut notes = Vec::new();
     if needs.lit.is_none() {
         notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());
+    } else if path == Path::Forward {
+        let layout = options.layout;
+        notes.push(format!(
+            "surfaces are lit as they are drawn: no G-buffer (the layout {layout} is not used), no light target"
+        ));
     } else if folded {
         notes.push(
             "no light exists before lighting: lighting and tonemap are one subpass, no light target".into(),

@@ -2,20 +2,18 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use super::{Load, Pass, Plan, Store, verdicts};
+use super::{Load, Pass, Path, Plan, Store, verdicts};
 use crate::visible::ShadowShape;
 
 impl Display for Plan {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let o = &self.options;
         let [width, height] = o.size;
-        writeln!(
-            f,
-            "plan: {width}x{height}, strategy {}, layout {} ({})",
-            o.strategy,
-            o.layout,
-            o.layout.table().source
-        )?;
+        write!(f, "plan: {width}x{height}, strategy {}, ", o.strategy)?;
+        match self.path {
+            Path::Deferred => writeln!(f, "layout {} ({})", o.layout, o.layout.table().source)?,
+            path => writeln!(f, "path {path}")?,
+        }
         for note in &self.notes {
             writeln!(f, "  - {note}")?;
         }

@@ -1,6 +1,6 @@
 //! The stages of a frame and the resources that they exchange, before anything is placed in memory.
 
-use super::{Format, Needs, Options, layout::Target};
+use super::{Format, Needs, Options, Path, layout::Target};
 
 /// Something that stages write and read, one value a pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +62,7 @@ pub struct Frame {
     pub resources: Vec<Resource>,
     /// In order of execution.
     pub stages: Vec<Stage>,
-    /// Whether lighting applies the tone curve itself.
+    /// Whether the stage that lights applies the tone curve itself.
     pub folded: bool,
 }
 
@@ -70,8 +70,8 @@ impl Frame {
     /// The final image's index in `resources`.
     pub const OUTPUT: usize = 0;
 
-    /// The least number of stages and resources that give the picture.
-    pub fn new(needs: &Needs, options: &Options) -> Self {
+    /// The least number of stages and resources that give the picture on this path, which is not [`Path::Auto`].
+    pub fn new(needs: &Needs, options: &Options, path: Path) -> Self {
         let mut resources = vec![Resource {
             name: "output",
             format: options.output.into(),
@@ -104,12 +104,27 @@ impl Frame {
             Vec::new()
         };
 
-        let Some(lit) = &needs.lit else {
-            // Nothing covers the whole image, so the output itself must be cleared.
-            resources[Self::OUTPUT].clear = Some([0.0, 0.0, 0.0, 1.0]);
-            let uses = std::iter::once((Self::OUTPUT, Use::Write)).chain(depth_uses).collect();
-            let why = "nothing in the scene is lit: surfaces are drawn and tone-mapped at once".into();
-            return Self { resources, stages: vec![Stage { name: "geometry", uses, why }], folded: true };
+        let lights = || {
+            let Needs { directional_lights, point_lights, spot_lights, .. } = needs;
+            format!("{directional_lights} directional, {point_lights} point and {spot_lights} spot lights")
+        };
+        let lit = match (&needs.lit, path) {
+            (Some(lit), Path::Deferred) => lit,
+            (lit, _) => {
+                // Nothing covers the whole image, so the output itself must be cleared.
+                resources[Self::OUTPUT].clear = Some([0.0, 0.0, 0.0, 1.0]);
+                let uses = std::iter::once((Self::OUTPUT, Use::Write)).chain(depth_uses).collect();
+                let (name, why) = match lit {
+                    None => (
+                        "geometry",
+                        "nothing in the scene is lit: surfaces are drawn and tone-mapped at once".into(),
+                    ),
+                    Some(_) => {
+                        ("forward", format!("{}; surfaces are lit and tone-mapped as drawn", lights()))
+                    }
+                };
+                return Self { resources, stages: vec![Stage { name, uses, why }], folded: true };
+            }
         };
 
         let table = options.layout.table();
@@ -143,10 +158,8 @@ impl Frame {
                 None => std::iter::once((Self::OUTPUT, Use::Write)).chain(read).collect(),
             },
             why: format!(
-                "{} directional, {} point and {} spot lights{}",
-                needs.directional_lights,
-                needs.point_lights,
-                needs.spot_lights,
+                "{}{}",
+                lights(),
                 if folded { "; applies the tone curve too, since no light is summed before it" } else { "" }
             ),
         };

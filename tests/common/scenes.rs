@@ -8,6 +8,9 @@ use ontile::scene::{
 use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 
+#[path = "shadow_scenes.rs"]
+pub mod shadow_scenes;
+
 /// The scenes that the repository ships, loaded, in order of name.
 ///
 /// # Panics
@@ -68,6 +71,7 @@ pub fn built() -> Vec<Scene> {
         one_empty_mesh(),
         dark_lights(),
         inside(),
+        shadow_scenes::shadows(),
     ]
 }
 

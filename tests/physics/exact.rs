@@ -1,12 +1,15 @@
 //! The `exact` layout's pictures against the reference's own, from visibility to tone curve.
 
-use ontile::plan::{Layout, Tonemap};
+use ontile::plan::{Layout, Path, Tonemap};
 use ontile::reference::{Settings, render};
 use ontile::scene::{Camera, LightKind, Scene};
 
 use crate::error::Errors;
 use crate::gpu::{Ask, Gpu, Rendered};
 use crate::scenes;
+
+/// Every path that takes its own turn at the light.
+const PATHS: [Path; 2] = [Path::Deferred, Path::Forward];
 
 fn compare(rendered: &Rendered, scene: &Scene, camera: &Camera, settings: &Settings) -> Errors {
     Errors::of_display(&render(scene, camera, settings), &rendered.light())
@@ -18,11 +21,14 @@ fn linear_light_is_the_references() {
     let mut failed = Vec::new();
     for scene in scenes::all() {
         for camera in &scene.cameras {
-            let rendered = gpu.render(&scene, camera, Ask::EXACT);
-            let errors = compare(&rendered, &scene, camera, &rendered.settings);
-            println!("{}, {}: {errors}", scene.name, camera.name);
-            if let Err(reason) = errors.check() {
-                failed.push(format!("{}, {}: {reason}", scene.name, camera.name));
+            let all = PATHS.map(|path| gpu.render(&scene, camera, Ask { path, ..Ask::EXACT }));
+            let expected = render(&scene, camera, &all[0].settings);
+            for (path, rendered) in PATHS.iter().zip(&all) {
+                let errors = Errors::of_display(&expected, &rendered.light());
+                println!("{}, {}, {path}: {errors}", scene.name, camera.name);
+                if let Err(reason) = errors.check() {
+                    failed.push(format!("{}, {}, {path}: {reason}", scene.name, camera.name));
+                }
             }
         }
     }

@@ -3,7 +3,7 @@
 use ontile::glam::{DVec3, DVec4};
 use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::{Layout, Needs, Options, OutputFormat, Plan, Tonemap};
+use ontile::plan::{Layout, Needs, Options, OutputFormat, Path, Plan, Tonemap};
 use ontile::reference::{Settings, Stored};
 use ontile::scene::{Camera, Scene};
 
@@ -27,6 +27,7 @@ pub struct Rendered {
 #[derive(Clone, Copy, Debug)]
 pub struct Ask {
     pub layout: Layout,
+    pub path: Path,
     pub tonemap: Tonemap,
     pub exposure_ev: f32,
     pub output: OutputFormat,
@@ -36,6 +37,7 @@ impl Ask {
     /// Linear light in floats: nothing but arithmetic between the scene and the picture.
     pub const EXACT: Self = Self {
         layout: Layout::Exact,
+        path: Path::Deferred,
         tonemap: Tonemap::Linear,
         exposure_ev: 0.0,
         output: OutputFormat::Rgba32Float,
@@ -45,6 +47,7 @@ impl Ask {
         Options {
             size: SIZE,
             layout: self.layout,
+            path: self.path,
             tonemap: self.tonemap,
             output: self.output,
             ..Options::default()

@@ -2,7 +2,7 @@
 
 use ontile::glam::DVec3;
 use ontile::measure::metrics::{ErrorStats, psnr_db};
-use ontile::plan::{Layout, OutputFormat, Tonemap};
+use ontile::plan::{Layout, OutputFormat, Path, Tonemap};
 use ontile::reference::texture::srgb_from_linear;
 use ontile::reference::{Attributes, Frame, Settings, Stored, encode, render, shade_gbuffer};
 use ontile::scene::{Camera, Scene};
@@ -13,6 +13,7 @@ use crate::scenes;
 
 const METALLIC128: Ask = Ask {
     layout: Layout::Metallic128,
+    path: Path::Deferred,
     tonemap: Tonemap::Neutral,
     exposure_ev: 0.0,
     output: OutputFormat::Rgba8Srgb,

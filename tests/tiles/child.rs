@@ -2,7 +2,7 @@
 
 use crate::common::scenes;
 use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
-use ontile::plan::{Access, Layout, Needs, Options, Plan, Store, Strategy};
+use ontile::plan::{Access, Layout, Needs, Options, Path as LightPath, Plan, Store, Strategy};
 use ontile::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -13,6 +13,7 @@ pub struct Case {
     /// One of `scenes::built`, by name.
     pub scene: String,
     pub layout: Layout,
+    pub path: LightPath,
     pub strategy: Strategy,
     pub recycle: bool,
     pub fault: Option<Fault>,
@@ -56,6 +57,7 @@ impl Case {
         Self {
             scene: scene.into(),
             layout,
+            path: LightPath::Deferred,
             strategy: Strategy::Subpasses,
             recycle: true,
             fault: None,
@@ -73,6 +75,7 @@ impl Case {
             size: SIZE,
             strategy: self.strategy,
             layout: self.layout,
+            path: self.path,
             recycle: self.recycle,
             ..Options::default()
         };

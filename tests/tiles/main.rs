@@ -11,7 +11,7 @@ mod common;
 use child::{Case, Fault, Told};
 use common::turnip::Turnip;
 use ontile::measure::tiler::{TilerTrace, Verdict};
-use ontile::plan::{Layout, Strategy};
+use ontile::plan::{Layout, Path as LightPath, Strategy};
 use serde_json::Value;
 use std::{path::Path, thread};
 
@@ -126,6 +126,8 @@ fn one_pass_stays_on_the_tile() {
         (2, Case::new("lit_textures", Layout::Exact)),
         (1, metallic("wholly_unlit")),
         (1, metallic("one_unlit_triangle")),
+        (1, Case { path: LightPath::Forward, ..metallic(ALL_STAGES) }),
+        (1, Case { path: LightPath::Forward, ..metallic("lights_only") }),
     ];
     for (subpasses, case) in &cases {
         frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));

@@ -47,9 +47,12 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 5] = {
 impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
+        let shadows = plan.shadow_map.is_some();
         let frame: &[u32] = match pipeline {
-            Pipeline::Surface(_) => &[FRAME, INSTANCES],
-            Pipeline::Lighting if plan.shadow_map.is_some() => &[FRAME, LIGHTS, SHADOW_VIEWS, SHADOW_MAP],
+            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => &[FRAME, INSTANCES],
+            Pipeline::Surface(_) if shadows => &[FRAME, INSTANCES, LIGHTS, SHADOW_VIEWS, SHADOW_MAP],
+            Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
+            Pipeline::Lighting if shadows => &[FRAME, LIGHTS, SHADOW_VIEWS, SHADOW_MAP],
             Pipeline::Lighting => &[FRAME, LIGHTS],
             Pipeline::Tonemap => &[FRAME],
         };

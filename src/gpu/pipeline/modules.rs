@@ -9,29 +9,30 @@ use crate::plan::{Pipeline, Plan, SurfaceKind};
 pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Specialization) {
     let layout = plan.options.layout;
     let output = OutputConstants { tonemap: plan.options.tonemap, dither: plan.options.dither };
+    let lighting = LightingConstants {
+        has_directional: plan.needs.directional_lights > 0,
+        has_point: plan.needs.point_lights > 0,
+        has_spot: plan.needs.spot_lights > 0,
+        shadow_filter: plan.shadow_map.is_some().then_some(plan.options.shadows.filter),
+        fold: plan.folded.then_some(output),
+    };
+    let shadows = plan.shadow_map.is_some();
     match pipeline {
         Pipeline::Surface(kind) => {
             let textured = kind.textures != 0;
             let constants = surface_constants(kind).specialization();
             let vertex = vertex_module(kind);
-            match plan.needs.lit {
-                None => (vertex, Module::Unlit { textured }, constants.and(output.specialization())),
-                Some(_) => {
-                    let light_target = plan.has_light_target();
-                    (vertex, Module::GeometryFragment { layout, light_target, textured }, constants)
-                }
+            if plan.has_gbuffer() {
+                let light_target = plan.has_light_target();
+                (vertex, Module::GeometryFragment { layout, light_target, textured }, constants)
+            } else if kind.unlit {
+                (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
+            } else {
+                (vertex, Module::Forward { textured, shadows }, constants.and(lighting.specialization()))
             }
         }
         Pipeline::Lighting => {
-            let constants = LightingConstants {
-                has_directional: plan.needs.directional_lights > 0,
-                has_point: plan.needs.point_lights > 0,
-                has_spot: plan.needs.spot_lights > 0,
-                shadow_filter: plan.shadow_map.is_some().then_some(plan.options.shadows.filter),
-                fold: plan.folded.then_some(output),
-            };
-            let shadows = plan.shadow_map.is_some();
-            (Module::Fullscreen, Module::Lighting { layout, shadows }, constants.specialization())
+            (Module::Fullscreen, Module::Lighting { layout, shadows }, lighting.specialization())
         }
         Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
     }

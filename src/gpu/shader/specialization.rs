@@ -42,7 +42,7 @@ pub struct TextureSlot {
     pub transformed: bool,
 }
 
-/// Constants of [`super::Module::GeometryFragment`] and [`super::Module::Unlit`].
+/// Constants of [`super::Module::GeometryFragment`], [`super::Module::Forward`] and [`super::Module::Unlit`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct GeometryConstants {
     /// Base colour, metallic-roughness, normal, occlusion, emissive: those that the material has.
@@ -98,7 +98,7 @@ impl GeometryConstants {
     }
 }
 
-/// Constants of [`super::Module::Lighting`].
+/// Constants of [`super::Module::Lighting`] and [`super::Module::Forward`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct LightingConstants {
     /// The scene has directional lights.
@@ -143,8 +143,8 @@ fn shadow_constants(filter: ShadowFilter) -> Specialization {
     Specialization::from_pairs(&[(const { shared("ID_SHADOW_FILTER") }, filter)])
 }
 
-/// Constants of the modules that write the output: [`super::Module::Tonemap`], [`super::Module::Unlit`] and folded
-/// [`super::Module::Lighting`].
+/// Constants of the modules that write the output: [`super::Module::Tonemap`], [`super::Module::Unlit`],
+/// [`super::Module::Forward`] and folded [`super::Module::Lighting`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct OutputConstants {
     /// Tone curve.
