@@ -21,7 +21,8 @@ fn options(filter: ShadowFilter) -> Options {
         layout: Layout::Exact,
         tonemap: Tonemap::Linear,
         output: OutputFormat::Rgba32Float,
-        shadows: ShadowOptions { filter, ..ShadowOptions::default() },
+        // Texels that are smaller than pixels, so that filters reach over few pixels.
+        shadows: ShadowOptions { filter, tile_texels: Some(1024), ..ShadowOptions::default() },
         ..Options::default()
     }
 }
@@ -219,7 +220,8 @@ fn what_moved_casts_the_shadow_of_a_scene_made_so() {
     on_device(None, |gpu| {
         for fresh in one_light_each() {
             let mut moved = fresh.clone();
-            let place = Mat4::from_translation(Vec3::new(0.4, 0.3, 0.5)) * fresh.instances[BALL].world_from_object;
+            let place =
+                Mat4::from_translation(Vec3::new(0.4, 0.3, 0.5)) * fresh.instances[BALL].world_from_object;
             let mut there = offscreen(gpu, &moved, RendererConfig::default());
             let before = render(&mut there, &fresh.cameras[0]);
             there.renderer_mut().set_instance(BALL, &place).unwrap();
@@ -281,7 +283,7 @@ fn many_lights() -> Scene {
 #[test]
 fn tiles_share_the_map_without_overlap() {
     let scene = many_lights();
-    for most_texels in [128, 500, 1024, 4096] {
+    for most_texels in [600, 1024, 4096] {
         let options = ShadowOptions { most_texels, ..ShadowOptions::default() };
         let plan = plan(&scene, options.clone());
         assert_eq!(plan, self::plan(&scene, options), "the same again");
@@ -305,7 +307,7 @@ fn tiles_share_the_map_without_overlap() {
                 assert!(a.size.texels >= b.size.texels, "{} {}", a.name, b.name);
             }
         }
-        // Who lost something is told of; 50 lights ask for more than any of these maps has.
+        // Who lost something is told of; 40 lights ask for more than any of these maps has.
         let noted = |name: &str| plan.notes.iter().any(|n| n.contains(&format!("light '{name}'")));
         for light in &scene.lights {
             let has = map.lights.iter().any(|l| l.name == light.name);
@@ -321,20 +323,13 @@ fn a_map_is_no_larger_than_what_is_in_it() {
     let default = ShadowOptions::default;
     let scenes = one_light_each();
     let sizes: Vec<_> = scenes.iter().map(|s| (s.name.as_str(), size(s, default()).unwrap())).collect();
-    // 1280 pixels: tiles of 1024, a cube's of 512. 3 cascades; 1; 1; 6 faces; 6 faces.
-    let expected = [
-        ("sun", [2048, 2048]),
-        ("slab", [1024, 1024]),
-        ("spot", [1024, 1024]),
-        ("wide", [2048, 1024]),
-        ("bulb", [2048, 1024]),
-    ];
+    // 1280 pixels: tiles of 1024, a cube's of 512. 3 cascades; 1; 6 faces; 6 faces.
+    let expected =
+        [("sun", [2048, 2048]), ("spot", [1024, 1024]), ("wide", [2048, 1024]), ("bulb", [2048, 1024])];
     assert_eq!(sizes, expected);
     let small = ShadowOptions { tile_texels: Some(300), cascades: 2, ..default() };
     assert_eq!(size(&scenes[0], small), Some([512, 256]));
-    let bytes = |format| {
-        plan(&scenes[1], ShadowOptions { format, ..default() }).shadow_map.unwrap().bytes()
-    };
+    let bytes = |format| plan(&scenes[1], ShadowOptions { format, ..default() }).shadow_map.unwrap().bytes();
     assert_eq!([ShadowFormat::D32, ShadowFormat::D16].map(bytes), [4 << 20, 2 << 20]);
 }
 

@@ -13,8 +13,8 @@ struct ShadowView {
 };
 
 layout(set = SET_FRAME, binding = BINDING_SHADOW_VIEWS, std430) readonly buffer ShadowViews {
-    ShadowView shadow_views[];
-};
+    ShadowView list[];
+} shadow_views;
 
 // Compares: 1 where the receiver is at least as near to the light as what the map holds.
 layout(set = SET_FRAME, binding = BINDING_SHADOW_MAP) uniform sampler2DShadow shadow_map;
@@ -95,18 +95,18 @@ float shadow(uint light_shadow, vec3 light_position, vec3 position, vec3 normal,
         // All faces have texels of one size; how large they are at a place depends on the face.
         vec3 from_light = position - light_position;
         float along = max(max(abs(from_light.x), abs(from_light.y)), abs(from_light.z));
-        float texel_m = shadow_views[first].texel_m * along;
-        position = shadow_receiver(shadow_views[first], texel_m, position, normal, to_light);
+        float texel_m = shadow_views.list[first].texel_m * along;
+        position = shadow_receiver(shadow_views.list[first], texel_m, position, normal, to_light);
         from_light = position - light_position;
         vec3 size = abs(from_light);
         uint face = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 2u : 4u;
         float side = face == 0u ? from_light.x : face == 2u ? from_light.y : from_light.z;
-        ShadowView view = shadow_views[first + face + (side < 0.0 ? 1u : 0u)];
+        ShadowView view = shadow_views.list[first + face + (side < 0.0 ? 1u : 0u)];
         return shadow_filtered(view, view.map_from_world * vec4(position, 1.0));
     }
     // The finest view that holds the place and what filters read around it; a light of one view shines within it only.
     for (uint i = first; i < first + count; ++i) {
-        ShadowView view = shadow_views[i];
+        ShadowView view = shadow_views.list[i];
         vec3 receiver = shadow_receiver(view, shadow_texel_m(view, position), position, normal, to_light);
         vec4 p = view.map_from_world * vec4(receiver, 1.0);
         vec2 reach = (view.spread_texels + 1.0) / vec2(textureSize(shadow_map, 0));

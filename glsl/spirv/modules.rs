@@ -1,6 +1,8 @@
 // Written by tools/shaders.
 embed![
     "forward.frag",
+    "forward_shadows.frag",
+    "forward_shadows_textured.frag",
     "forward_textured.frag",
     "fullscreen.vert",
     "geometry_c.vert",

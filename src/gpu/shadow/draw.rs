@@ -165,13 +165,10 @@ impl Shadows {
             min_depth: 0.0,
             max_depth: 1.0,
         };
-        // Reversed depth: 0 is farthest.
-        let clear = [vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 0.0, stencil: 0 } }];
         let info = vk::RenderPassBeginInfo::default()
             .render_pass(self.pass.raw())
             .framebuffer(self.framebuffer.raw())
-            .render_area(area)
-            .clear_values(&clear);
+            .render_area(area);
         let push = ShadowPush {
             clip_from_world: view.clip_from_world.to_cols_array_2d(),
             nearest_depth: if view.pancaked { 1.0 } else { NO_NEAREST_DEPTH },
@@ -190,7 +187,11 @@ impl Shadows {
                 0,
                 bytemuck::bytes_of(&push),
             );
+            device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::GRAPHICS, self.pipelines.clear.raw());
+            device.cmd_draw(raw, 3, 1, 0, 0);
         }
+        bound.pipeline = None;
+        recorded.draws += 1;
         let frustum = Frustum::new(&view.casters_clip_from_world());
         self.casters.in_view(&frustum, |index, batch, run| {
             self.bind(recorder, data, index, batch, bound);

@@ -3,7 +3,7 @@
 use ash::vk;
 
 use super::super::descriptor::Binding;
-use super::super::shader::{GeometryConstants, Module, TextureSlot, shared};
+use super::super::shader::{GeometryConstants, Module, Specialization, TextureSlot, shared};
 use super::super::shared::ShadowPush;
 use super::super::{Called, Device, Owned, PipelineCache, texel_bytes};
 use crate::Result;
@@ -16,14 +16,18 @@ const SLOPE_BIAS: f32 = 1.0;
 /// And in steps of the depth's precision, for surfaces that face the light.
 const CONSTANT_BIAS: f32 = 2.0;
 
-/// Draws a tile: clears the render area and stores it. The image is in DEPTH_STENCIL_ATTACHMENT_OPTIMAL before and after;
-/// who draws tiles moves it there once for all of them, and tiles do not overlap, so the pass has nothing to wait for.
+/// Draws a tile: the render area, of which nothing is loaded, and all is stored. The image is in
+/// DEPTH_STENCIL_ATTACHMENT_OPTIMAL before and after; who draws tiles moves it there once for all of them, and tiles do not
+/// overlap, so the pass has nothing to wait for.
+///
+/// A triangle clears the tile. The pass could do it, but then an image of several tiles is cleared several times in a row, in
+/// which the checks of Arm and IMG, who do not look at areas, see useless stores.
 pub(super) fn tile_pass(device: &Device, format: vk::Format) -> Result<Owned<vk::RenderPass>> {
     let layout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
     let attachments = [vk::AttachmentDescription::default()
         .format(format)
         .samples(vk::SampleCountFlags::TYPE_1)
-        .load_op(vk::AttachmentLoadOp::CLEAR)
+        .load_op(vk::AttachmentLoadOp::DONT_CARE)
         .store_op(vk::AttachmentStoreOp::STORE)
         .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
         .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
@@ -48,6 +52,8 @@ pub(super) struct CasterLayout {
 /// One pipeline per kind of caster, in the order of `ShadowMap::casters`.
 pub(super) struct CasterPipelines {
     pub(super) pipelines: Vec<Owned<vk::Pipeline>>,
+    /// One triangle over the whole tile, as far away as can be.
+    pub(super) clear: Owned<vk::Pipeline>,
     pub(super) layouts: Vec<CasterLayout>,
 }
 
@@ -60,13 +66,10 @@ impl CasterPipelines {
     ) -> Result<Self> {
         let layouts: Vec<_> =
             map.casters.iter().map(|k| CasterLayout::new(device, k)).collect::<Result<_>>()?;
-        let pipelines = map
-            .casters
-            .iter()
-            .zip(&layouts)
-            .map(|(kind, layout)| pipeline(device, kind, layout, pass, cache))
-            .collect::<Result<_>>()?;
-        Ok(Self { pipelines, layouts })
+        let builder = Builder { device, pass, cache };
+        let all = map.casters.iter().zip(&layouts);
+        let pipelines = all.map(|(kind, layout)| builder.caster(kind, layout)).collect::<Result<_>>()?;
+        Ok(Self { pipelines, clear: builder.clear(&layouts[0])?, layouts })
     }
 }
 
@@ -110,83 +113,118 @@ fn set_layout(device: &Device, bindings: &[Binding]) -> Result<Owned<vk::Descrip
     unsafe { device.create_descriptor_set_layout(&info, "shadow caster") }
 }
 
-fn pipeline(
-    device: &Device,
-    kind: &CasterKind,
-    layout: &CasterLayout,
-    pass: &Owned<vk::RenderPass>,
-    cache: &PipelineCache,
-) -> Result<Owned<vk::Pipeline>> {
-    let vertex = Module::ShadowVertex {
-        masked: kind.mask.is_some(),
-        texcoord: kind.mask.is_some_and(|m| m.textured),
-        color: kind.mask.is_some_and(|m| m.vertex_color),
-    };
-    let fragment = kind.mask.map(|mask| Module::ShadowFragment { textured: mask.textured });
-    let module = |module: Module| {
-        let info = vk::ShaderModuleCreateInfo::default().code(module.spirv()?);
-        // SAFETY: the words are SPIR-V that the shader compiler made and a test validates.
-        unsafe { device.create_shader_module(&info, &module.name()) }
-    };
-    let modules = std::iter::once(vertex).chain(fragment).map(module).collect::<Result<Vec<_>>>()?;
-    let constants = kind.mask.as_ref().map(mask_constants).unwrap_or_default().specialization();
-    let entries: Vec<_> = (0_u32..)
-        .zip(&constants.ids)
-        .map(|(i, &constant_id)| vk::SpecializationMapEntry { constant_id, offset: 4 * i, size: 4 })
-        .collect();
-    let special =
-        vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&constants.data));
-    let stages: Vec<_> = [vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT]
-        .into_iter()
-        .zip(&modules)
-        .map(|(stage, module)| {
-            let info =
-                vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw()).name(c"main");
-            if stage == vk::ShaderStageFlags::FRAGMENT { info.specialization_info(&special) } else { info }
-        })
-        .collect();
-    let (bindings, attributes) = vertex_input(kind.mask.as_ref())?;
-    let input = vk::PipelineVertexInputStateCreateInfo::default()
-        .vertex_binding_descriptions(&bindings)
-        .vertex_attribute_descriptions(&attributes);
-    let assembly =
-        vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
-    let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-    // As the main pass draws it: faces that point away from the light cast no shadow, unless both sides exist. Depth is
-    // reversed, so away from the light is down.
-    let raster = vk::PipelineRasterizationStateCreateInfo::default()
-        .polygon_mode(vk::PolygonMode::FILL)
-        .cull_mode(if kind.double_sided { vk::CullModeFlags::NONE } else { vk::CullModeFlags::BACK })
-        .front_face(if kind.mirrored { vk::FrontFace::CLOCKWISE } else { vk::FrontFace::COUNTER_CLOCKWISE })
-        .depth_bias_enable(true)
-        .depth_bias_constant_factor(-CONSTANT_BIAS)
-        .depth_bias_slope_factor(-SLOPE_BIAS)
-        .line_width(1.0);
-    let multisample =
-        vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
-    let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-        .depth_test_enable(true)
-        .depth_write_enable(true)
-        .depth_compare_op(vk::CompareOp::GREATER);
-    let dynamic = vk::PipelineDynamicStateCreateInfo::default()
-        .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
-    let info = vk::GraphicsPipelineCreateInfo::default()
-        .stages(&stages)
-        .vertex_input_state(&input)
-        .input_assembly_state(&assembly)
-        .viewport_state(&viewport)
-        .rasterization_state(&raster)
-        .multisample_state(&multisample)
-        .depth_stencil_state(&depth)
-        .dynamic_state(&dynamic)
-        .layout(layout.layout.raw())
-        .render_pass(pass.raw())
-        .subpass(0);
-    // SAFETY: everything that `info` points to outlives the call, and the modules match the layout (a test compares both
-    // with the shared header).
-    let created = unsafe { device.raw().create_graphics_pipelines(cache.raw(), &[info], device.callbacks()) };
-    let raw = created.map_err(|(_, result)| result).called("vkCreateGraphicsPipelines")?;
-    Ok(Owned::new(device, raw[0], &format!("shadow caster, {kind}")))
+struct Builder<'a> {
+    device: &'a Device,
+    pass: &'a Owned<vk::RenderPass>,
+    cache: &'a PipelineCache,
+}
+
+impl Builder<'_> {
+    fn caster(&self, kind: &CasterKind, layout: &CasterLayout) -> Result<Owned<vk::Pipeline>> {
+        let vertex = Module::ShadowVertex {
+            masked: kind.mask.is_some(),
+            texcoord: kind.mask.is_some_and(|m| m.textured),
+            color: kind.mask.is_some_and(|m| m.vertex_color),
+        };
+        let fragment = kind.mask.as_ref().map(|mask| {
+            (Module::ShadowFragment { textured: mask.textured }, mask_constants(mask).specialization())
+        });
+        // As the main pass draws it: faces that point away from the light cast no shadow, unless both sides exist. Depth is
+        // reversed, so away from the light is down.
+        let raster = vk::PipelineRasterizationStateCreateInfo::default()
+            .polygon_mode(vk::PolygonMode::FILL)
+            .cull_mode(if kind.double_sided { vk::CullModeFlags::NONE } else { vk::CullModeFlags::BACK })
+            .front_face(match kind.mirrored {
+                true => vk::FrontFace::CLOCKWISE,
+                false => vk::FrontFace::COUNTER_CLOCKWISE,
+            })
+            .depth_bias_enable(true)
+            .depth_bias_constant_factor(-CONSTANT_BIAS)
+            .depth_bias_slope_factor(-SLOPE_BIAS)
+            .line_width(1.0);
+        let input = vertex_input(kind.mask.as_ref())?;
+        let (compare, name) = (vk::CompareOp::GREATER, format!("shadow caster, {kind}"));
+        self.build(vertex, fragment, &input, &raster, compare, layout, &name)
+    }
+
+    fn clear(&self, layout: &CasterLayout) -> Result<Owned<vk::Pipeline>> {
+        let raster = vk::PipelineRasterizationStateCreateInfo::default()
+            .polygon_mode(vk::PolygonMode::FILL)
+            .cull_mode(vk::CullModeFlags::NONE)
+            .line_width(1.0);
+        let (input, always) = (VertexInput::default(), vk::CompareOp::ALWAYS);
+        self.build(Module::Fullscreen, None, &input, &raster, always, layout, "shadow clear")
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "what sets the two kinds of pipelines apart")]
+    fn build(
+        &self,
+        vertex: Module,
+        fragment: Option<(Module, Specialization)>,
+        (bindings, attributes): &VertexInput,
+        raster: &vk::PipelineRasterizationStateCreateInfo<'_>,
+        compare: vk::CompareOp,
+        layout: &CasterLayout,
+        name: &str,
+    ) -> Result<Owned<vk::Pipeline>> {
+        let module = |module: Module| {
+            let info = vk::ShaderModuleCreateInfo::default().code(module.spirv()?);
+            // SAFETY: the words are SPIR-V that the shader compiler made and a test validates.
+            unsafe { self.device.create_shader_module(&info, &module.name()) }
+        };
+        let vertex = module(vertex)?;
+        let (fragment, constants) = fragment.map(|(m, c)| (module(m), c)).unzip();
+        let fragment = fragment.transpose()?;
+        let constants = constants.unwrap_or_default();
+        let entries: Vec<_> = (0_u32..)
+            .zip(&constants.ids)
+            .map(|(i, &constant_id)| vk::SpecializationMapEntry { constant_id, offset: 4 * i, size: 4 })
+            .collect();
+        let special = vk::SpecializationInfo::default()
+            .map_entries(&entries)
+            .data(bytemuck::cast_slice(&constants.data));
+        let stage = |stage, module: &Owned<vk::ShaderModule>| {
+            vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw()).name(c"main")
+        };
+        let fragment = fragment
+            .as_ref()
+            .map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module).specialization_info(&special));
+        let vertex = stage(vk::ShaderStageFlags::VERTEX, &vertex);
+        let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
+        let input = vk::PipelineVertexInputStateCreateInfo::default()
+            .vertex_binding_descriptions(bindings)
+            .vertex_attribute_descriptions(attributes);
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
+            .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+        let multisample = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+            .depth_test_enable(true)
+            .depth_write_enable(true)
+            .depth_compare_op(compare);
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default()
+            .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
+        let info = vk::GraphicsPipelineCreateInfo::default()
+            .stages(&stages)
+            .vertex_input_state(&input)
+            .input_assembly_state(&assembly)
+            .viewport_state(&viewport)
+            .rasterization_state(raster)
+            .multisample_state(&multisample)
+            .depth_stencil_state(&depth)
+            .dynamic_state(&dynamic)
+            .layout(layout.layout.raw())
+            .render_pass(self.pass.raw())
+            .subpass(0);
+        let device = self.device;
+        // SAFETY: everything that `info` points to outlives the call, and the modules match the layout (a test compares
+        // both with the shared header).
+        let created =
+            unsafe { device.raw().create_graphics_pipelines(self.cache.raw(), &[info], device.callbacks()) };
+        let raw = created.map_err(|(_, result)| result).called("vkCreateGraphicsPipelines")?;
+        Ok(Owned::new(device, raw[0], name))
+    }
 }
 
 /// What cuts a mask: the first and only texture of its descriptors is the base colour.
