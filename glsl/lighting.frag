@@ -1,5 +1,5 @@
 #version 450
-// All lights on one pixel. FOLD: tonemaps and writes the output; else fixed-function blending adds to the
+// All lights on one pixel; CLUSTERS: those with a place are found in the list of its cell. FOLD: tonemaps and writes the output; else fixed-function blending adds to the
 // light target.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"

@@ -19,6 +19,13 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     try_write_whole(path, bytes).map_err(|source| Error::io(path, "write", source))
 }
 
+/// Where this crate keeps what it can make again: `$XDG_CACHE_HOME/ontile`, or `~/.cache/ontile`; `None` without a home.
+pub fn cache_folder() -> Option<PathBuf> {
+    let absolute = |name| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
+    let caches = absolute("XDG_CACHE_HOME").or_else(|| Some(absolute("HOME")?.join(".cache")))?;
+    Some(caches.join("ontile"))
+}
+
 fn try_write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let target = match fs::metadata(path) {
         Ok(found) if found.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),

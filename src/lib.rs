@@ -59,6 +59,7 @@
 
 #![deny(missing_docs)]
 
+pub mod environment;
 mod error;
 pub mod file;
 pub mod gpu;

@@ -8,9 +8,12 @@ mod reflect;
 mod shader_manifest;
 
 use ontile::gpu::shader::{
-    GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, embedded_names, shared,
+    GeometryConstants, LightInputs, LightingConstants, Module, OutputConstants, Specialization,
+    embedded_names, shared,
 };
-use ontile::gpu::shared::{FrameUniforms, InstanceData, LightData, MaterialData, ShadowPush, ShadowViewData};
+use ontile::gpu::shared::{
+    ClusterGrid, FrameUniforms, InstanceData, LightData, MaterialData, ShadowPush, ShadowViewData,
+};
 use ontile::plan::Tonemap;
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;
@@ -129,7 +132,7 @@ fn names_are_unique_and_unknown_keys_are_errors() {
     assert!(tangent_only.spirv().unwrap_err().to_string().contains("geometry_t.vert"));
 }
 
-fn blocks() -> [Block; 6] {
+fn blocks() -> [Block; 7] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -170,6 +173,7 @@ fn blocks() -> [Block; 6] {
                 padding,
             }
         ),
+        block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
         block!(
             "ShadowView" =
                 ShadowViewData { map_from_world, tile, texel_m, spread_texels, offset_texels, lift_texels }
@@ -195,7 +199,8 @@ fn shared_structs_have_the_shaders_offsets() {
 
 #[test]
 fn wrong_offsets_are_reported() {
-    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, shadows: false }.spirv().unwrap();
+    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, lights: LightInputs::default() };
+    let frag = frag.spirv().unwrap();
     let light = &blocks()[3];
 
     // Rust's side: two members change places, one is forgotten.
@@ -251,7 +256,8 @@ fn interfaces_have_the_numbers_of_shared_h() {
 fn wrong_interfaces_are_reported() {
     let numbers = shared_numbers();
     let nutc = Module::GeometryVertex { normal: true, texcoord: true, tangent: true, color: true };
-    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, shadows: true };
+    let lights = LightInputs { clusters: false, shadows: false };
+    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, lights };
     for (module, decoration) in [
         (nutc, Decoration::Location),
         (nutc, Decoration::DescriptorSet),
@@ -292,8 +298,8 @@ fn fragments_read_what_vertices_write() {
             pairs += 1;
         }
     }
-    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 7 of each.
-    assert_eq!(pairs, 7 * (10 + 6));
+    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 9 of each.
+    assert_eq!(pairs, 9 * (10 + 6));
 }
 
 #[test]

@@ -1,6 +1,10 @@
 // Written by tools/shaders.
 embed![
     "forward.frag",
+    "forward_clusters.frag",
+    "forward_clusters_shadows.frag",
+    "forward_clusters_shadows_textured.frag",
+    "forward_clusters_textured.frag",
     "forward_shadows.frag",
     "forward_shadows_textured.frag",
     "forward_textured.frag",
@@ -24,8 +28,12 @@ embed![
     "geometry_u.vert",
     "geometry_uc.vert",
     "lighting_exact.frag",
+    "lighting_exact_clusters.frag",
+    "lighting_exact_clusters_shadows.frag",
     "lighting_exact_shadows.frag",
     "lighting_metallic128.frag",
+    "lighting_metallic128_clusters.frag",
+    "lighting_metallic128_clusters_shadows.frag",
     "lighting_metallic128_shadows.frag",
     "shadow.frag",
     "shadow.vert",

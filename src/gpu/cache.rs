@@ -105,13 +105,11 @@ fn fnv1a(bytes: &[u8]) -> u64 {
         .fold(0xcbf2_9ce4_8422_2325, |hash, &b| (hash ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// `$XDG_CACHE_HOME/ontile` or `~/.cache/ontile`, one file per device and driver; `None` without a home.
+/// One file per device and driver; `None` without a cache folder.
 fn file(caps: &Caps) -> Option<PathBuf> {
-    let absolute = |name| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
-    let directory = absolute("XDG_CACHE_HOME").or_else(|| Some(absolute("HOME")?.join(".cache")))?;
     let uuid: String = caps.pipeline_cache_uuid.iter().map(|b| format!("{b:02x}")).collect();
     let name = format!("pipelines-{:04x}-{:04x}-{uuid}.bin", caps.vendor_id, caps.device_id);
-    Some(directory.join("ontile").join(name))
+    Some(crate::file::cache_folder()?.join(name))
 }
 
 /// Replaces a file at once: readers see the old content or the new, never a part.

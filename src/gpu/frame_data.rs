@@ -1,7 +1,10 @@
 //! What changes from frame to frame: mapped buffers, one set of them for each frame slot.
 
+use std::time::{Duration, Instant};
+
 use ash::vk;
 
+use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::objects::Objects;
 use super::shared::{FrameUniforms, InstanceData, LightData};
@@ -16,6 +19,8 @@ pub(super) struct FrameData {
     /// `None` if nothing is drawn.
     pub(super) instances: Option<Buffer>,
     pub(super) lights: Buffer,
+    /// `None` if the plan has no light lists.
+    pub(super) clusters: Option<Buffer>,
 }
 
 /// How much of a scene a view saw.
@@ -23,10 +28,20 @@ pub(super) struct FrameData {
 pub(super) struct Seen {
     pub(super) objects: usize,
     pub(super) lights: usize,
+    /// The time that listing the lights took.
+    pub(super) light_lists: Duration,
+}
+
+/// What there is to see.
+pub(super) struct Everything<'a> {
+    pub(super) objects: &'a mut Objects,
+    pub(super) lights: &'a Lights,
+    pub(super) light_lists: &'a mut LightLists,
+    pub(super) ambient_nt: glam::Vec3,
 }
 
 impl FrameData {
-    pub(super) fn new(device: &Device, objects: usize, lights: usize) -> Result<Self> {
+    pub(super) fn new(device: &Device, plan: &Plan, objects: usize, lights: usize) -> Result<Self> {
         let buffer = |name, bytes: usize, usage| {
             Buffer::new(device, &BufferDesc { name, bytes: bytes as u64, usage, memory: MemoryUse::Upload })
         };
@@ -34,11 +49,13 @@ impl FrameData {
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let instances =
             (objects > 0).then(|| buffer("instances", objects * size_of::<InstanceData>(), storage));
+        let clusters = plan.clusters.map(|c| buffer("clusters", c.bytes as usize, storage));
         Ok(Self {
             uniforms: buffer("frame", size_of::<FrameUniforms>(), uniform)?,
             instances: instances.transpose()?,
             // A buffer cannot be empty, but a scene can be without lights; then no shader reads what is here.
             lights: buffer("lights", lights.max(1) * size_of::<LightData>(), storage)?,
+            clusters: clusters.transpose()?,
         })
     }
 
@@ -48,25 +65,35 @@ impl FrameData {
         view: &View<'_>,
         plan: &Plan,
         size: [u32; 2],
-        (objects, lights): (&mut Objects, &Lights),
-        ambient_nt: glam::Vec3,
+        scene: Everything<'_>,
         cull: bool,
     ) -> Seen {
+        let Everything { objects, lights, light_lists, ambient_nt } = scene;
         let mut uniforms = view.uniforms(plan, size, ambient_nt);
         let frustum = cull.then(|| Frustum::new(&glam::Mat4::from_cols_array_2d(&uniforms.clip_from_world)));
         let instances = self.instances.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
         let seen_objects = objects.write_visible(frustum.as_ref(), instances.unwrap_or_default());
         let light_list = bytemuck::cast_slice_mut(self.lights.mapped_mut());
-        let [directional, point, spot, boxes, hemispheres] =
-            lights.write_visible(frustum.as_ref(), light_list);
+        let counts = lights.write_visible(frustum.as_ref(), light_list, light_lists.reaches_mut());
+        let [directional, point, spot, boxes, _hemispheres] = counts;
         uniforms.light_counts = [directional, point, spot, boxes];
         self.uniforms.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
-        Seen { objects: seen_objects, lights: (directional + point + spot + boxes + hemispheres) as usize }
+        let start = Instant::now();
+        if let Some(clusters) = &mut self.clusters {
+            let local = directional..directional + point + spot;
+            light_lists.write(view.camera, size, local, clusters.mapped_mut());
+        }
+        Seen {
+            objects: seen_objects,
+            lights: counts.iter().sum::<u32>() as usize,
+            light_lists: start.elapsed(),
+        }
     }
 
     /// Size of the memory.
     pub(super) fn allocated_bytes(&self) -> u64 {
-        let buffers = [&self.uniforms, &self.lights].into_iter().chain(&self.instances);
+        let always = [&self.uniforms, &self.lights].into_iter();
+        let buffers = always.chain(&self.instances).chain(&self.clusters);
         buffers.map(Buffer::allocated_bytes).sum()
     }
 }

@@ -98,14 +98,20 @@ impl Lights {
 
     /// Writes those that reach something that the view sees (all of them without a view) and are not dark, and returns
     /// how many they are of each kind: directional, point, spot, box, hemisphere.
-    pub(super) fn write_visible(&self, view: Option<&Frustum>, out: &mut [LightData]) -> [u32; KINDS] {
+    /// `reaches` gets the reach of each, in their order.
+    pub(super) fn write_visible(
+        &self,
+        view: Option<&Frustum>,
+        out: &mut [LightData],
+        reaches: &mut Vec<Reach>,
+    ) -> [u32; KINDS] {
+        reaches.clear();
         let mut counts = [0; KINDS];
-        let mut end = 0;
         for light in self.order.iter().map(|&i| &self.placed[i]) {
-            let Some(reach) = &light.reach else { continue };
-            if !view.is_some_and(|view| view.misses(reach)) {
-                out[end] = light.data;
-                end += 1;
+            let Some(reach) = light.reach else { continue };
+            if !view.is_some_and(|view| view.misses(&reach)) {
+                out[reaches.len()] = light.data;
+                reaches.push(reach);
                 counts[light.kind] += 1;
             }
         }

@@ -29,6 +29,7 @@ mod geometry;
 mod headless;
 mod image;
 mod info;
+mod light_lists;
 mod lights;
 mod material_data;
 mod memory;

@@ -27,6 +27,8 @@ pub struct Offscreen {
 /// What one frame took.
 struct Measured {
     record_ms: f64,
+    /// `None` where the plan has no light lists.
+    light_lists_ms: Option<f64>,
     queries: QueryResults,
 }
 
@@ -75,7 +77,12 @@ impl Offscreen {
         })?;
         commands.submit()?;
         commands.wait()?;
-        measured.push(Measured { record_ms, queries: renderer.query_results(0)? });
+        let light_lists = renderer.recorded().light_lists.as_secs_f64() * 1e3;
+        measured.push(Measured {
+            record_ms,
+            light_lists_ms: renderer.plan().clusters.map(|_| light_lists),
+            queries: renderer.query_results(0)?,
+        });
         Ok(())
     }
 
@@ -168,6 +175,7 @@ impl Offscreen {
             gpu_frame_ms: median_of(&|m| until(m, stamps.checked_sub(1)?)).map(Figure::driver),
             gpu_stage_ms: stage_ms.collect(),
             cpu_record_ms: median_of(&|m| Some(m.record_ms)),
+            cpu_light_lists_ms: median_of(&|m| m.light_lists_ms),
             statistics: statistics.map(|(name, n)| (name.to_owned(), Figure::driver(n as f64))).collect(),
             draws: recorded.draws,
             state_changes: recorded.state_changes,

@@ -85,6 +85,8 @@ pub struct Recorded {
     pub objects: usize,
     /// Lights that reach something in view; the others that are not dark were culled.
     pub lights: usize,
+    /// CPU time of listing the lights of each part of the view; 0 where the plan has no light lists.
+    pub light_lists: std::time::Duration,
     /// The shadow map's part; its draws and state changes are not among the above.
     pub shadows: RecordedShadows,
 }
@@ -247,6 +249,14 @@ impl Renderer {
         Ok(())
     }
 
+    /// Draws the shadow map anew with the next frame. Maps are kept on the assumption that the GPU executes every frame that
+    /// was recorded, in the order of recording; a host that drops one says so here.
+    pub fn redraw_shadows(&mut self) {
+        if let Some(shadows) = &mut self.shadows {
+            shadows.redraw();
+        }
+    }
+
     /// Records a frame: no allocation, no wait, no submission.
     ///
     /// `slot` is below [`RendererConfig::frames_in_flight`], and the GPU has finished the frame that was recorded with it
@@ -278,6 +288,7 @@ impl Renderer {
             objects: seen.objects,
             lights: seen.lights,
             shadows: shadows.unwrap_or_default(),
+            light_lists: seen.light_lists,
             ..Recorded::default()
         };
         let mut frame = Frame { renderer: self, recorder, slot, target, output, recorded };

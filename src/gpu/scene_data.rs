@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use ash::vk;
 
 use super::descriptor::{Content, DescriptorSets};
-use super::frame_data::{FrameData, Seen};
+use super::frame_data::{Everything, FrameData, Seen};
+use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::material_data::Materials;
 use super::objects::{Batch, Objects};
@@ -24,6 +25,7 @@ pub(super) struct SceneData {
     families: Vec<Family>,
     objects: Objects,
     lights: Lights,
+    light_lists: LightLists,
     /// One a frame slot.
     frames: Vec<FrameData>,
     materials: Option<Materials>,
@@ -48,13 +50,14 @@ impl SceneData {
         let geometry = Geometry::new(device, upload, &scene.meshes, &streams)?;
         let keys = texture_keys(scene, plan, objects.batches());
         let textures = Textures::new(device, upload, &scene.images, &scene.textures, &keys)?;
-        let frames = (0..slots).map(|_| FrameData::new(device, objects.count(), lights.count()));
+        let frames = (0..slots).map(|_| FrameData::new(device, plan, objects.count(), lights.count()));
         let mut data = Self {
             frame_sets: None,
             material_sets: None,
             families: pipelines.layouts.keys().copied().collect(),
             frames: frames.collect::<Result<_>>()?,
             objects,
+            light_lists: LightLists::new(plan, lights.count()),
             lights,
             materials: Materials::new(device, upload, scene)?,
             geometry,
@@ -135,8 +138,9 @@ impl SceneData {
         size: [u32; 2],
         cull: bool,
     ) -> Seen {
-        let scene = (&mut self.objects, &self.lights);
-        self.frames[slot].write(view, plan, size, scene, self.ambient_nt, cull)
+        let Self { objects, lights, light_lists, ambient_nt, .. } = self;
+        let scene = Everything { objects, lights, light_lists, ambient_nt: *ambient_nt };
+        self.frames[slot].write(view, plan, size, scene, cull)
     }
 
     /// Binds what a batch's draw reads, unless `bound` says that it is bound already.
@@ -205,10 +209,11 @@ impl SceneData {
                 let buffer = match binding {
                     _ if ty == vk::DescriptorType::UNIFORM_BUFFER => Some(&frame.uniforms),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
+                    b if b == const { shared("BINDING_CLUSTERS") } => frame.clusters.as_ref(),
                     b if b == const { shared("BINDING_SHADOW_VIEWS") } => shadows.map(|s| s.views(slot)),
                     _ => Some(&frame.lights),
                 };
-                // Surface pipelines exist only for instances, and so do these buffers.
+                // What a pipeline reads exists: surface pipelines only for instances, light lists by the plan.
                 if let Some(buffer) = buffer {
                     sets.write(index, binding, ty, &Content::Buffer(buffer, 0, buffer.size_bytes()));
                 }

@@ -96,15 +96,15 @@ pub enum Module {
     Forward {
         /// Whether the material has any texture.
         textured: bool,
-        /// Whether lights cast shadows.
-        shadows: bool,
+        /// What it reads of the lights.
+        lights: LightInputs,
     },
     /// Shades the G-buffer by punctual lights.
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
-        /// Whether lights cast shadows.
-        shadows: bool,
+        /// What it reads of the lights.
+        lights: LightInputs,
     },
     /// Turns the light target into the output.
     Tonemap,
@@ -126,6 +126,28 @@ pub enum Module {
     },
 }
 
+/// What shading reads of the lights beside the list of them: descriptors that exist only where they are needed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct LightInputs {
+    /// Each pixel looks at the lights of its cluster, not at all.
+    pub clusters: bool,
+    /// Lights cast shadows.
+    pub shadows: bool,
+}
+
+impl LightInputs {
+    /// Every combination.
+    pub fn all() -> impl Iterator<Item = Self> {
+        (0..4).map(|bits| Self { clusters: bits & 1 != 0, shadows: bits & 2 != 0 })
+    }
+
+    /// Its part of a module's name.
+    fn suffix(self) -> String {
+        let parts = [(self.clusters, "_clusters"), (self.shadows, "_shadows")];
+        parts.iter().filter(|(has, _)| *has).map(|(_, name)| *name).collect()
+    }
+}
+
 impl Module {
     /// Every module that exists.
     pub fn all() -> Vec<Self> {
@@ -141,11 +163,11 @@ impl Module {
             for (light_target, textured) in [(false, false), (false, true), (true, false), (true, true)] {
                 all.push(Self::GeometryFragment { layout, light_target, textured });
             }
-            all.extend([false, true].map(|shadows| Self::Lighting { layout, shadows }));
+            all.extend(LightInputs::all().map(|lights| Self::Lighting { layout, lights }));
         }
-        all.extend([false, true].map(|textured| Self::Unlit { textured }));
-        for (textured, shadows) in [(false, false), (false, true), (true, false), (true, true)] {
-            all.push(Self::Forward { textured, shadows });
+        for textured in [false, true] {
+            all.push(Self::Unlit { textured });
+            all.extend(LightInputs::all().map(|lights| Self::Forward { textured, lights }));
         }
         all.extend([Self::Tonemap, Self::Fullscreen]);
         for (masked, texcoord, color) in
@@ -177,12 +199,10 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured, shadows } => {
-                format!("forward{}{}.frag", suffix(shadows, "_shadows"), suffix(textured, "_textured"))
+            Self::Forward { textured, lights } => {
+                format!("forward{}{}.frag", lights.suffix(), suffix(textured, "_textured"))
             }
-            Self::Lighting { layout, shadows } => {
-                format!("lighting_{layout}{}.frag", suffix(shadows, "_shadows"))
-            }
+            Self::Lighting { layout, lights } => format!("lighting_{layout}{}.frag", lights.suffix()),
             Self::ShadowVertex { masked: false, .. } => "shadow.vert".into(),
             Self::ShadowVertex { texcoord, color, .. } => {
                 format!("shadow_masked_{}{}.vert", suffix(texcoord, "u"), suffix(color, "c"))
@@ -243,10 +263,14 @@ impl Module {
                 (textured, "TEXTURED"),
             ]),
             Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Forward { textured, shadows } => chosen(&[(textured, "TEXTURED"), (shadows, "SHADOWS")]),
-            Self::Lighting { layout, shadows } => {
-                chosen(&[(true, layout_define(layout)), (shadows, "SHADOWS")])
+            Self::Forward { textured, lights } => {
+                chosen(&[(textured, "TEXTURED"), (lights.clusters, "CLUSTERS"), (lights.shadows, "SHADOWS")])
             }
+            Self::Lighting { layout, lights } => chosen(&[
+                (true, layout_define(layout)),
+                (lights.clusters, "CLUSTERS"),
+                (lights.shadows, "SHADOWS"),
+            ]),
             Self::ShadowVertex { masked, texcoord, color } => {
                 chosen(&[(masked, "MASKED"), (texcoord, "HAS_TEXCOORD"), (color, "HAS_COLOR")])
             }

@@ -111,3 +111,22 @@ pub struct ShadowPush {
     /// Nothing is drawn nearer to the light than at this depth.
     pub nearest_depth: f32,
 }
+
+/// How a view is cut into cells: `ClusterGrid` in `glsl/light/clusters.glsl`, std430. The cells' lists follow it
+/// ([`crate::visible::Clusters::words`]).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct ClusterGrid {
+    /// Tiles are squares of 2 to this power pixels.
+    pub tile_shift: u32,
+    /// Tiles across the image.
+    pub columns: u32,
+    /// Tiles down the image.
+    pub rows: u32,
+    /// Cuts by distance.
+    pub slices: u32,
+    /// See [`crate::visible::Grid::slice_scale`].
+    pub slice_scale: f32,
+    /// Likewise.
+    pub slice_bias: f32,
+}

@@ -119,6 +119,9 @@ pub struct DeviceFigures {
     pub gpu_stage_ms: Vec<(String, Figure)>,
     /// Median CPU time of recording a frame, milliseconds.
     pub cpu_record_ms: Option<f64>,
+    /// Median CPU time of listing the lights of each part of the view, milliseconds, where that is done; a part of the
+    /// above.
+    pub cpu_light_lists_ms: Option<f64>,
     /// Pipeline statistics of the last frame: name and count.
     pub statistics: Vec<(String, Figure)>,
     /// Draw calls of a frame.
@@ -150,6 +153,8 @@ pub struct Report {
     pub passes: Vec<PassReport>,
     /// Pipelines, as text.
     pub pipelines: Vec<String>,
+    /// With light lists: their bounds.
+    pub clusters: Option<super::ClusterBudget>,
     /// Sums.
     pub totals: Totals,
     /// One per GPU family.
@@ -198,6 +203,7 @@ impl Plan {
             attachments: attachments.collect(),
             passes: self.passes.iter().map(|p| self.pass_report(p)).collect(),
             pipelines: self.pipelines.iter().map(|(_, p)| self.pipeline_text(p)).collect(),
+            clusters: self.clusters,
             totals: Totals {
                 loaded_bytes_per_pixel: sum(0),
                 stored_bytes_per_pixel: sum(1),

@@ -13,6 +13,7 @@ mod derive;
 mod format;
 mod layout;
 mod ledger;
+mod lights;
 mod needs;
 mod options;
 mod print;
@@ -28,7 +29,9 @@ pub use layout::{LayoutTable, Target};
 pub use ledger::{
     AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
 };
+pub use lights::ClusterBudget;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
+pub(crate) use options::named_enum;
 pub use options::{
     Layout, LightWay, Options, OutputFormat, OutputUse, Path, ShadowFilter, ShadowFormat, ShadowOptions,
     Strategy, Tonemap,
@@ -215,6 +218,10 @@ pub struct Plan {
     pub path: Path,
     /// Whether the stage that lights applies the tone curve itself, so that there is no light target.
     pub folded: bool,
+    /// How lights reach pixels: what [`Options::lights`] comes to for this scene, never [`LightWay::Auto`].
+    pub light_way: LightWay,
+    /// With [`LightWay::Clusters`]: the lights of each part of the view, listed for every frame.
+    pub clusters: Option<ClusterBudget>,
     /// The shadow map, where lights cast shadows; it is drawn before the first pass.
     pub shadow_map: Option<ShadowMap>,
     /// Decisions that a reader may wonder about.
@@ -238,11 +245,26 @@ impl Plan {
         let attachments = derive::attachments(&frame, &places, &passes, &options);
         check_counts(&passes, &options, limits)?;
         let pipelines = pipelines(&frame, &needs);
-        let mut notes = notes(&needs, &options, path, &attachments, frame.folded);
+        let (light_way, clusters, why) = lights::resolve(&needs, &options);
         let (shadow_map, shadow_notes) = ShadowMap::new(&needs.shadows, &options, limits);
-        notes.extend(shadow_notes);
         let folded = frame.folded;
-        Ok(Self { options, needs, attachments, passes, pipelines, path, folded, shadow_map, notes })
+        let mut notes = notes(&needs, &options, path, &attachments, folded);
+        notes.extend(why);
+        notes.extend(clusters.map(|c| c.to_string()));
+        notes.extend(shadow_notes);
+        Ok(Self {
+            options,
+            needs,
+            attachments,
+            passes,
+            pipelines,
+            path,
+            folded,
+            light_way,
+            clusters,
+            shadow_map,
+            notes,
+        })
     }
 
     /// Whether surfaces are lit after all are known, from a G-buffer.
@@ -308,10 +330,10 @@ fn check_ways(options: &Options) -> crate::Result<()> {
             "choose the path deferred, or leave `keep_gbuffer` out",
         ));
     }
-    if options.lights != LightWay::Fullscreen {
+    if !matches!(options.lights, LightWay::Fullscreen | LightWay::Clusters) {
         return Err(crate::Error::unsupported(
             format!("the way of lights {} is not there yet", options.lights),
-            "choose the way fullscreen",
+            "choose one of the ways fullscreen and clusters",
         ));
     }
     Ok(())

@@ -166,6 +166,9 @@ pub struct Needs {
     pub hemisphere_lights: usize,
     /// Directional and box lights that light surfaces from behind too.
     pub back_colors: usize,
+    /// How many lights that have a place may be lit: dark ones too, if one of their kind is not dark, since a host may
+    /// light them up.
+    pub most_local_lights: usize,
     /// Lights that cast shadows, and what casts them.
     pub shadows: ShadowNeeds,
     /// Triangles drawn; a single one needs no depth test.
@@ -173,6 +176,11 @@ pub struct Needs {
 }
 
 impl Needs {
+    /// Lights that are not dark and have a place, so that they may be far from a pixel.
+    pub fn local_lights(&self) -> usize {
+        self.point_lights + self.spot_lights + self.box_lights
+    }
+
     /// Reads them off a scene.
     pub fn of(scene: &Scene) -> Self {
         let ambient = scene.ambient_nt != glam::Vec3::ZERO;
@@ -219,9 +227,20 @@ impl Needs {
             back_colors: lights()
                 .filter(|l| l.has_back() && !matches!(l.kind, LightKind::Hemisphere { .. }))
                 .count(),
+            most_local_lights: most_local_lights(scene),
             shadows,
             triangles: scene.triangle_count(),
             kinds,
         }
     }
+}
+
+/// See [`Needs::most_local_lights`].
+fn most_local_lights(scene: &Scene) -> usize {
+    let kind = std::mem::discriminant::<LightKind>;
+    let lit: Vec<_> = scene.lights.iter().filter(|l| !l.is_dark()).map(|l| kind(&l.kind)).collect();
+    let everywhere =
+        |k: &LightKind| matches!(k, LightKind::Directional { .. } | LightKind::Hemisphere { .. });
+    let local = scene.lights.iter().filter(|l| !everywhere(&l.kind));
+    local.filter(|l| lit.contains(&kind(&l.kind))).count()
 }

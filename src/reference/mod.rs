@@ -21,6 +21,7 @@
 pub mod ambient;
 pub mod brdf;
 mod bvh;
+pub mod environment;
 pub mod frame;
 pub mod gbuffer;
 pub mod punctual;

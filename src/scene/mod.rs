@@ -5,6 +5,7 @@
 
 mod budget;
 mod camera;
+mod environment;
 mod gltf;
 mod light;
 mod material;
@@ -12,6 +13,7 @@ mod mesh;
 mod mipmaps;
 
 pub use camera::{Camera, Projection};
+pub use environment::Environment;
 pub use light::{GlobeMap, GlobePicture, Light, LightKind, Shadow};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
@@ -41,6 +43,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Radiance that arrives from every direction alike, in cd/m², linear Rec.709. Zero means none.
     pub ambient_nt: Vec3,
+    /// Radiance from far away, in addition to `ambient_nt`.
+    pub environment: Option<Environment>,
     /// View points. [`Scene::load`] always gives at least one.
     pub cameras: Vec<Camera>,
     /// What the loader had to leave out or change, one sentence each.

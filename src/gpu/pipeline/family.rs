@@ -1,5 +1,7 @@
 //! Which descriptor sets a pipeline takes.
 
+use std::collections::BTreeSet;
+
 use ash::vk;
 
 use super::super::descriptor::Binding;
@@ -28,17 +30,19 @@ pub(in crate::gpu) enum SecondSet {
 const FRAME: u32 = shared("BINDING_FRAME");
 const INSTANCES: u32 = shared("BINDING_INSTANCES");
 const LIGHTS: u32 = shared("BINDING_LIGHTS");
+const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
 const SHADOW_VIEWS: u32 = shared("BINDING_SHADOW_VIEWS");
 const SHADOW_MAP: u32 = shared("BINDING_SHADOW_MAP");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 5] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 6] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
         (FRAME, T::UNIFORM_BUFFER, both),
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
         (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
         (SHADOW_VIEWS, T::STORAGE_BUFFER, S::FRAGMENT),
         (SHADOW_MAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
     ]
@@ -47,14 +51,16 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 5] = {
 impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
-        let shadows = plan.shadow_map.is_some();
-        let frame: &[u32] = match pipeline {
-            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => &[FRAME, INSTANCES],
-            Pipeline::Surface(_) if shadows => &[FRAME, INSTANCES, LIGHTS, SHADOW_VIEWS, SHADOW_MAP],
-            Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
-            Pipeline::Lighting if shadows => &[FRAME, LIGHTS, SHADOW_VIEWS, SHADOW_MAP],
-            Pipeline::Lighting => &[FRAME, LIGHTS],
-            Pipeline::Tonemap => &[FRAME],
+        // What shading reads of the lights.
+        let lighting = [LIGHTS]
+            .into_iter()
+            .chain(plan.clusters.map(|_| CLUSTERS))
+            .chain(plan.shadow_map.iter().flat_map(|_| [SHADOW_VIEWS, SHADOW_MAP]));
+        let frame: BTreeSet<u32> = match pipeline {
+            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => [FRAME, INSTANCES].into(),
+            Pipeline::Surface(_) => [FRAME, INSTANCES].into_iter().chain(lighting).collect(),
+            Pipeline::Lighting => [FRAME].into_iter().chain(lighting).collect(),
+            Pipeline::Tonemap => [FRAME].into(),
         };
         let second = match pipeline {
             Pipeline::Surface(kind) => SecondSet::Material { textures: kind.textures.count_ones() },

@@ -1,7 +1,7 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
+    GeometryConstants, LightInputs, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
 };
 use crate::plan::{Pipeline, Plan, SurfaceKind};
 
@@ -16,7 +16,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
         shadow_filter: plan.shadow_map.is_some().then_some(plan.options.shadows.filter),
         fold: plan.folded.then_some(output),
     };
-    let shadows = plan.shadow_map.is_some();
+    let lights = LightInputs { clusters: plan.clusters.is_some(), shadows: plan.shadow_map.is_some() };
     match pipeline {
         Pipeline::Surface(kind) => {
             let textured = kind.textures != 0;
@@ -28,11 +28,11 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
             } else if kind.unlit {
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
-                (vertex, Module::Forward { textured, shadows }, constants.and(lighting.specialization()))
+                (vertex, Module::Forward { textured, lights }, constants.and(lighting.specialization()))
             }
         }
         Pipeline::Lighting => {
-            (Module::Fullscreen, Module::Lighting { layout, shadows }, lighting.specialization())
+            (Module::Fullscreen, Module::Lighting { layout, lights }, lighting.specialization())
         }
         Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
     }

@@ -236,6 +236,12 @@ impl Shadows {
         }
     }
 
+    /// Keeps nothing of what was drawn.
+    pub(super) fn redraw(&mut self) {
+        self.tiles.forget();
+        self.in_use = false;
+    }
+
     /// Device memory of the map and of what it is drawn with.
     pub(super) fn allocated_bytes(&self) -> u64 {
         self.resources.allocated_bytes()

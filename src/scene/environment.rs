@@ -1,0 +1,62 @@
+//! Light from far away in all directions.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{DQuat, DVec3};
+
+use crate::Result;
+use crate::environment::{self, Content, Panorama, Prefiltered};
+
+/// Radiance that arrives from each direction alike everywhere.
+#[derive(Clone, Debug)]
+pub struct Environment {
+    /// A name for messages: the file's, or what the builder chose.
+    pub name: String,
+    /// The picture; `None` where only what was filtered from it is at hand.
+    pub panorama: Option<Arc<Panorama>>,
+    /// What shading looks up; a renderer makes it from the panorama where it is `None` or stored in another format than
+    /// the options ask for. See [`environment::cached`].
+    pub prefiltered: Option<Arc<Prefiltered>>,
+    /// How far the environment is turned about +Y, in degrees: at 90 its centre, which lies towards +Z at 0, lies towards
+    /// +X.
+    pub rotation_deg: f32,
+    /// Multiplies its radiance.
+    pub intensity: f32,
+}
+
+impl Environment {
+    /// A panorama as it is.
+    pub fn new(name: impl Into<String>, panorama: Panorama) -> Self {
+        Self {
+            name: name.into(),
+            panorama: Some(Arc::new(panorama)),
+            prefiltered: None,
+            rotation_deg: 0.0,
+            intensity: 1.0,
+        }
+    }
+
+    /// Reads a panorama (.hdr, .exr) or a prefiltered environment (.ktx2), told apart by their content.
+    ///
+    /// # Errors
+    /// As [`environment::read`].
+    pub fn load(path: &Path) -> Result<Self> {
+        let name = path.file_name().map_or("environment".into(), |name| name.to_string_lossy().into_owned());
+        let (panorama, prefiltered) = match environment::read(path)? {
+            Content::Panorama(panorama) => (Some(Arc::new(panorama)), None),
+            Content::Prefiltered(prefiltered) => (None, Some(Arc::new(prefiltered))),
+        };
+        Ok(Self { name, panorama, prefiltered, rotation_deg: 0.0, intensity: 1.0 })
+    }
+
+    /// Whether it adds nothing anywhere.
+    pub fn is_dark(&self) -> bool {
+        self.intensity == 0.0
+    }
+
+    /// Turns a direction of the world into the environment's own space.
+    pub fn environment_from_world(&self, direction_world: DVec3) -> DVec3 {
+        DQuat::from_rotation_y(-f64::from(self.rotation_deg).to_radians()) * direction_world
+    }
+}

@@ -1,0 +1,179 @@
+//! One picture, however lights reach pixels: every way against `fullscreen`, where each pixel looks at all lights.
+
+mod common;
+
+use common::render::{Gpu, difference, on_device};
+use common::scenes;
+use ontile::glam::{Mat4, Vec3};
+use ontile::picture::Pixels;
+use ontile::plan::{Layout, LightWay, Options, OutputFormat, Path, Strategy};
+use ontile::scene::{Camera, Light, LightKind, Projection, Scene};
+use std::f32::consts::FRAC_PI_2;
+
+const SIZE: [u32; 2] = [192, 108];
+
+/// How far apart two ways may be: relative to the brighter of the two values, or to the smallest that matters. Both sum
+/// the same products in the same order, which compilers may round differently: the sums of up to a hundred lights take
+/// as many roundings of half an epsilon, the terms some 30 more.
+const MOST_RELATIVE: f32 = 64.0 * f32::EPSILON;
+const LEAST_VALUE: f32 = 1e-4;
+
+/// Small lights of all kinds with a place, over the floor of [`scenes::lights_only`].
+fn many_lights() -> Scene {
+    let mut scene = Scene { name: "many_lights".into(), ..scenes::lights_only() };
+    for i in 0..90 {
+        let [x, z] = [i % 10, i / 10].map(|c| c as f32 * 0.6 - 2.7);
+        let mut light = scene.lights[1 + i % 2].clone();
+        light.position_world = Vec3::new(x, 0.2 + 0.05 * (i % 7) as f32, z);
+        light.range_m = Some(0.4 + 0.1 * (i % 5) as f32);
+        light.direction_world = Vec3::new((i as f32).sin(), -1.0, (i as f32).cos()).normalize();
+        scene.lights.push(light);
+    }
+    scene
+}
+
+/// Lights where a proxy or a list is most easily wrong: around the camera, across the near plane, behind the camera,
+/// beyond the far plane, touching the image's edge, without an end, with hardly any, and cones up to a half space.
+fn awkward_lights() -> Scene {
+    let mut scene = Scene { name: "awkward_lights".into(), ..many_lights() };
+    scene.lights.truncate(1);
+    let near_far = Projection::Perspective { yfov_rad: 0.7, znear_m: 0.3, zfar_m: Some(6.0) };
+    scene.cameras[0].projection = near_far;
+    let eye = scene.cameras[0].world_from_view.transform_point3(Vec3::ZERO);
+    let ahead = scene.cameras[0].world_from_view.transform_vector3(Vec3::NEG_Z);
+    let point = LightKind::Point { intensity_cd: 0.6 };
+    let spot = |outer_cone_rad| LightKind::Spot { intensity_cd: 2.0, inner_cone_rad: 0.0, outer_cone_rad };
+    let mut add = |kind, position_world, range_m| {
+        let direction_world = Vec3::new(0.1, -1.0, -0.2).normalize();
+        let name = format!("light {}", scene.lights.len());
+        let color = Vec3::new(1.0, 0.8, 0.6);
+        scene.lights.push(Light {
+            kind,
+            position_world,
+            range_m,
+            direction_world,
+            name,
+            color,
+            ..scene.lights[0].clone()
+        });
+    };
+    add(point, eye, Some(5.0));
+    add(point, eye + ahead * 0.3, Some(0.2));
+    add(point, eye - ahead, Some(4.5));
+    add(point, eye + ahead * 6.0, Some(2.0));
+    add(point, Vec3::new(-2.4, 0.2, 0.0), Some(0.5));
+    add(point, Vec3::new(0.0, 0.001, 0.5), Some(1e-3));
+    add(point, Vec3::new(0.5, 0.4, 0.4), Some(0.0));
+    add(point, Vec3::new(0.5, 3.0, 0.4), None);
+    for cone in [0.02, 0.4, 0.8, 1.2, FRAC_PI_2] {
+        add(spot(cone), Vec3::new(cone - 0.8, 0.9, 0.6), Some(1.5));
+        add(spot(cone), eye + ahead * 0.1, Some(5.0));
+    }
+    add(spot(0.3), Vec3::new(0.0, 4.0, 0.0), None);
+    add(spot(FRAC_PI_2), Vec3::new(0.0, 4.0, 0.0), None);
+    scene
+}
+
+fn all_scenes() -> Vec<Scene> {
+    let mut all = scenes::built();
+    all.extend([many_lights(), awkward_lights()]);
+    let parallel = Projection::Orthographic { xmag_m: 2.6, ymag_m: 1.5, znear_m: 0.1, zfar_m: 20.0 };
+    for mut scene in [many_lights(), awkward_lights()] {
+        scene.name += "_parallel";
+        scene.cameras[0].projection = parallel;
+        all.push(scene);
+    }
+    all
+}
+
+fn floats(gpu: &Gpu<'_>, scene: &Scene, options: Options) -> Vec<f32> {
+    let output = OutputFormat::Rgba32Float;
+    let plan = gpu.plan(scene, Options { output, size: SIZE, ..options });
+    let Pixels::Rgba32F(channels) = gpu.picture(scene, plan, 0.0).pixels else { unreachable!() };
+    channels
+}
+
+/// The most that one is from the other, as a share of the brighter.
+fn most_relative(a: &[f32], b: &[f32]) -> f32 {
+    let relative = |(a, b): (&f32, &f32)| (a - b).abs() / a.max(*b).max(LEAST_VALUE);
+    a.iter().zip(b).map(relative).fold(0.0, f32::max)
+}
+
+const WAYS: [LightWay; 1] = [LightWay::Clusters];
+
+#[test]
+fn ways_give_one_picture() {
+    on_device(None, |gpu| {
+        for scene in all_scenes() {
+            for &fold in &[true, false] {
+                let options = Options { layout: Layout::Exact, fold, ..Options::default() };
+                let expected = floats(gpu, &scene, options.clone());
+                for lights in WAYS {
+                    let most =
+                        most_relative(&expected, &floats(gpu, &scene, Options { lights, ..options.clone() }));
+                    println!("{}, {lights}, fold {fold}: {most:.2e}", scene.name);
+                    assert!(most <= MOST_RELATIVE, "{}, {lights}, fold {fold}: {most:.2e} apart", scene.name);
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn ways_are_alike_in_one_pass_and_in_several() {
+    on_device(None, |gpu| {
+        for scene in [scenes::every_feature(), scenes::orthographic(), many_lights(), awkward_lights()] {
+            for &layout in Layout::ALL {
+                for lights in WAYS {
+                    let picture = |strategy| {
+                        let options = Options { size: SIZE, layout, lights, strategy, ..Options::default() };
+                        gpu.picture(&scene, gpu.plan(&scene, options), 0.0)
+                    };
+                    let both = [Strategy::Subpasses, Strategy::Separate].map(picture);
+                    assert_eq!(difference(&both[0], &both[1]), None, "{}, {layout}, {lights}", scene.name);
+                }
+            }
+        }
+    });
+}
+
+/// Surfaces that are lit as they are drawn find their lights in the same lists.
+#[test]
+fn forward_gives_the_same_picture() {
+    on_device(None, |gpu| {
+        for scene in all_scenes() {
+            let options = Options { path: Path::Forward, ..Options::default() };
+            let expected = floats(gpu, &scene, options.clone());
+            let most = most_relative(
+                &expected,
+                &floats(gpu, &scene, Options { lights: LightWay::Clusters, ..options }),
+            );
+            assert!(most <= MOST_RELATIVE, "{}: {most:.2e} apart", scene.name);
+        }
+    });
+}
+
+/// Cameras between which lists must not be mixed up.
+#[test]
+fn frames_in_turn_have_lists_of_their_own() {
+    on_device(None, |gpu| {
+        let scene = many_lights();
+        let turned = |camera: &Camera| Camera {
+            world_from_view: camera.world_from_view * Mat4::from_rotation_y(0.4),
+            ..camera.clone()
+        };
+        let cameras = [scene.cameras[0].clone(), turned(&scene.cameras[0])];
+        for lights in WAYS {
+            let options = Options { size: SIZE, lights, ..Options::default() };
+            let alone = cameras.clone().map(|camera| {
+                let scene = Scene { cameras: vec![camera], ..scene.clone() };
+                gpu.picture(&scene, gpu.plan(&scene, options.clone()), 0.0)
+            });
+            let mut host = gpu.offscreen(&scene, gpu.plan(&scene, options.clone()), Default::default());
+            for turn in [0, 1, 0] {
+                host.render(&ontile::gpu::View { camera: &cameras[turn], exposure_ev: 0.0 }).unwrap();
+                assert_eq!(difference(&alone[turn], &host.picture()), None, "{lights}");
+            }
+        }
+    });
+}
