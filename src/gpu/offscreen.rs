@@ -179,6 +179,7 @@ impl Offscreen {
             statistics: statistics.map(|(name, n)| (name.to_owned(), Figure::driver(n as f64))).collect(),
             draws: recorded.draws,
             state_changes: recorded.state_changes,
+            shadows: plan.shadow_map.is_some().then(|| recorded.shadows.figures()),
             frames: self.measured.len(),
             allocated_bytes: self.renderer.scene_bytes(),
             validation_messages: None,

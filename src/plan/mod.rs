@@ -18,6 +18,7 @@ mod needs;
 mod options;
 mod print;
 mod shadow;
+mod shadow_report;
 mod stage;
 #[cfg(test)]
 mod tests;
@@ -39,6 +40,8 @@ pub use options::{
 pub use shadow::{
     CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, spread_texels,
 };
+pub(crate) use shadow_report::planned_bytes;
+pub use shadow_report::{ShadowFigures, ShadowLightReport, ShadowMapReport};
 
 use serde::Serialize;
 

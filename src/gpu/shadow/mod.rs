@@ -19,7 +19,7 @@ use super::shared::{InstanceData, ShadowViewData};
 use super::{
     Buffer, BufferDesc, Device, Geometry, Image, ImageDesc, MemoryUse, Owned, PipelineCache, StreamKind, conv,
 };
-use crate::plan::{Plan, ShadowFilter, ShadowMap};
+use crate::plan::{Plan, ShadowFigures, ShadowFilter, ShadowMap, planned_bytes};
 use crate::scene::{Aabb, Light, Scene};
 use crate::visible::ShadowShape;
 use crate::{Error, Result};
@@ -49,6 +49,18 @@ pub struct RecordedShadows {
     pub casters: usize,
     /// Bytes of the map that were stored.
     pub stored_bytes: u64,
+}
+
+impl RecordedShadows {
+    pub(super) fn figures(self) -> ShadowFigures {
+        ShadowFigures {
+            tiles_drawn: self.tiles,
+            tiles_waiting: self.waiting,
+            draws: self.draws,
+            casters: self.casters,
+            stored_bytes: planned_bytes(self.stored_bytes),
+        }
+    }
 }
 
 impl ShadowResources {
