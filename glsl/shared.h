@@ -63,7 +63,10 @@
 #define ID_FOLD 17
 #define ID_TONEMAP 18
 #define ID_DITHER 19
-#define ID_SHADOW_FILTER 20
+#define ID_HAS_BOX 20
+#define ID_HAS_HEMISPHERE 21
+#define ID_HAS_BACK 22
+#define ID_SHADOW_FILTER 23
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

@@ -72,8 +72,10 @@ fn forward_looks_like_deferred() {
 #[test]
 fn arrangements_of_forward_do_not_change_the_pixels() {
     type Change = fn(Options) -> Options;
-    const CHANGES: [(&str, Change); 4] = [
+    const CHANGES: [(&str, Change); 6] = [
         ("separate", |o| Options { strategy: Strategy::Separate, ..o }),
+        ("depth pre-pass", |o| Options { depth_prepass: true, ..o }),
+        ("separate, depth pre-pass", |o| Options { strategy: Strategy::Separate, depth_prepass: true, ..o }),
         ("not recycled", |o| Options { recycle: false, ..o }),
         ("another layout", |o| Options { layout: Layout::Metallic128, ..o }),
         ("output not an input attachment", |o| Options { output_is_input_attachment: false, ..o }),

@@ -18,12 +18,14 @@ const SIZE: [u32; 2] = [160, 90];
 type Variant = (&'static str, fn(Options) -> Options);
 
 /// All of them, against the default: one pass, recycled attachments, nothing kept.
-const VARIANTS: [Variant; 6] = [
+const VARIANTS: [Variant; 8] = [
     ("separate", |o| Options { strategy: Strategy::Separate, ..o }),
     ("not recycled", |o| Options { recycle: false, ..o }),
     ("output not an input attachment", |o| Options { output_is_input_attachment: false, ..o }),
     ("G-buffer kept", |o| Options { keep_gbuffer: true, ..o }),
     ("separate, not recycled", |o| Options { strategy: Strategy::Separate, recycle: false, ..o }),
+    ("depth pre-pass", |o| Options { depth_prepass: true, ..o }),
+    ("separate, depth pre-pass", |o| Options { strategy: Strategy::Separate, depth_prepass: true, ..o }),
     ("separate, G-buffer kept", |o| Options { strategy: Strategy::Separate, keep_gbuffer: true, ..o }),
 ];
 

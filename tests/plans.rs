@@ -49,6 +49,10 @@ fn printed() -> Vec<(String, String)> {
         ),
         ("every_feature_kept".into(), plan(&features, Options { keep_gbuffer: true, ..default() })),
         ("every_feature_forward".into(), plan(&features, forward())),
+        (
+            "every_feature_forward_prepass".into(),
+            plan(&features, Options { depth_prepass: true, ..forward() }),
+        ),
         ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
         ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),
     ];

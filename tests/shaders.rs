@@ -147,6 +147,7 @@ fn blocks() -> [Block; 7] {
                 light_scale,
                 ambient_nt,
                 light_counts,
+                hemispheres,
             }
         ),
         block!("Instance" = InstanceData { world_from_object_rows }),
@@ -169,7 +170,11 @@ fn blocks() -> [Block; 7] {
                 spot_scale,
                 direction_world,
                 spot_offset,
+                up_world,
+                falloff,
+                back_intensity,
                 shadow,
+                half_size,
                 padding,
             }
         ),
@@ -286,7 +291,8 @@ fn fragments_read_what_vertices_write() {
         for (fragment, read) in &all {
             let (Module::GeometryFragment { textured, .. }
             | Module::Unlit { textured }
-            | Module::Forward { textured, .. }) = *fragment
+            | Module::Forward { textured, .. }
+            | Module::Mask { textured }) = *fragment
             else {
                 continue;
             };
@@ -298,8 +304,8 @@ fn fragments_read_what_vertices_write() {
             pairs += 1;
         }
     }
-    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 9 of each.
-    assert_eq!(pairs, 9 * (10 + 6));
+    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 10 of each.
+    assert_eq!(pairs, 10 * (10 + 6));
 }
 
 #[test]
@@ -327,7 +333,7 @@ fn specialization(module: Module) -> Specialization {
         Module::GeometryVertex { .. } | Module::Fullscreen | Module::ShadowVertex { .. } => {
             Specialization::default()
         }
-        Module::GeometryFragment { .. } | Module::ShadowFragment { .. } => geometry,
+        Module::GeometryFragment { .. } | Module::Mask { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
         Module::Forward { .. } => {
             let shadow_filter = Some(ontile::plan::ShadowFilter::Grid3);

@@ -307,7 +307,7 @@ fn tiles_share_the_map_without_overlap() {
                 assert!(a.size.texels >= b.size.texels, "{} {}", a.name, b.name);
             }
         }
-        // Who lost something is told of; 40 lights ask for more than any of these maps has.
+        // Who lost something is told of; 50 lights ask for more than any of these maps has.
         let noted = |name: &str| plan.notes.iter().any(|n| n.contains(&format!("light '{name}'")));
         for light in &scene.lights {
             let has = map.lights.iter().any(|l| l.name == light.name);
@@ -323,7 +323,7 @@ fn a_map_is_no_larger_than_what_is_in_it() {
     let default = ShadowOptions::default;
     let scenes = one_light_each();
     let sizes: Vec<_> = scenes.iter().map(|s| (s.name.as_str(), size(s, default()).unwrap())).collect();
-    // 1280 pixels: tiles of 1024, a cube's of 512. 3 cascades; 1; 6 faces; 6 faces.
+    // 1280 pixels: tiles of 1024, a cube's of 512. 3 cascades; 1; 1; 6 faces; 6 faces.
     let expected =
         [("sun", [2048, 2048]), ("spot", [1024, 1024]), ("wide", [2048, 1024]), ("bulb", [2048, 1024])];
     assert_eq!(sizes, expected);

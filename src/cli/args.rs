@@ -55,6 +55,9 @@ pub struct PlanArgs {
     /// When surfaces are lit: after all are known, or as each is drawn
     #[arg(long, default_value_t = Path::Deferred, value_parser = named(Path::ALL, Path::name))]
     pub path: Path,
+    /// Draw the depth of all surfaces first, so that no pixel is shaded twice [default: off]
+    #[arg(long)]
+    pub depth_prepass: bool,
     /// How lights reach pixels
     #[arg(long, value_name = "WAY", default_value_t = LightWay::Fullscreen, value_parser = named(LightWay::ALL, LightWay::name))]
     pub lights: LightWay,
@@ -99,6 +102,7 @@ impl PlanArgs {
             strategy: self.strategy,
             layout: self.layout,
             path: self.path,
+            depth_prepass: self.depth_prepass,
             lights: self.lights,
             shadows: ShadowOptions {
                 filter: self.shadow_filter,

@@ -13,7 +13,7 @@ use glam::{Mat4, Vec4};
 /// Objects of one mesh that one draw call draws.
 #[derive(Clone, Debug)]
 pub(super) struct Batch {
-    /// Index into `Plan::pipelines`.
+    /// Index into `Plan::pipelines`: the `Pipeline::Surface` of its kind.
     pub(super) pipeline: usize,
     /// Index into `Scene::materials`.
     pub(super) material: usize,
@@ -52,8 +52,6 @@ struct Element {
 /// All objects that have triangles, by batch.
 pub(super) struct Objects {
     batches: Vec<Batch>,
-    /// Of each pipeline, its part of `batches`.
-    batches_of: Vec<Range<usize>>,
     placed: Vec<Placed>,
     elements: Vec<Element>,
     static_moves: u64,
@@ -106,8 +104,7 @@ impl Objects {
                 }),
             }
         }
-        let batches_of = (0..plan.pipelines.len()).map(|p| range_of(&batches, p)).collect();
-        Self { batches, batches_of, placed, elements, static_moves: 0 }
+        Self { batches, placed, elements, static_moves: 0 }
     }
 
     /// How many there are: the length of an instance buffer that can hold all of them.
@@ -123,11 +120,6 @@ impl Objects {
     /// All batches, to give them their materials.
     pub(super) fn batches_mut(&mut self) -> &mut [Batch] {
         &mut self.batches
-    }
-
-    /// The batches that a pipeline draws, those of one material and of one mesh side by side.
-    pub(super) fn batches_of(&self, pipeline: usize) -> &[Batch] {
-        &self.batches[self.batches_of[pipeline].clone()]
     }
 
     /// Moves an element of `Scene::instances`.
@@ -181,8 +173,4 @@ impl Objects {
         }
         end
     }
-}
-
-fn range_of(batches: &[Batch], pipeline: usize) -> Range<usize> {
-    batches.partition_point(|b| b.pipeline < pipeline)..batches.partition_point(|b| b.pipeline <= pipeline)
 }

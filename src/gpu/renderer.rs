@@ -13,7 +13,7 @@ use super::target::check_formats;
 use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
-use crate::plan::{Needs, Pipeline, Plan, State};
+use crate::plan::{Needs, Plan, State};
 use crate::scene::{Light, Scene};
 use crate::{Error, Result};
 
@@ -365,51 +365,57 @@ impl Frame<'_> {
     }
 
     fn draw_stage(&mut self, stage: usize) {
-        let Renderer { plan, pipelines, scene, .. } = self.renderer;
-        let mut bound = BoundMesh::default();
-        for (index, (_, pipeline)) in plan.pipelines.iter().enumerate().filter(|(_, (s, _))| *s == stage) {
-            let surfaces = matches!(pipeline, Pipeline::Surface(_));
-            if surfaces && scene.objects().batches_of(index).iter().all(|b| b.visible.is_empty()) {
-                continue;
+        self.draw_surfaces(stage);
+        let plan = &self.renderer.plan;
+        let of_stage =
+            plan.pipelines.iter().enumerate().filter(|(_, (s, p))| *s == stage && !p.is_of_surfaces());
+        for (index, _) in of_stage {
+            let layout = self.bind_pipeline(index);
+            if let Some(inputs) = self.target.inputs(self.output, stage) {
+                self.bind_set(layout, 1, inputs);
             }
-            let layout = pipelines.layout_of(index).layout.raw();
-            let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
-            // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
-            unsafe {
-                device.cmd_bind_pipeline(
-                    raw,
-                    vk::PipelineBindPoint::GRAPHICS,
-                    pipelines.pipelines[index].raw(),
-                );
-            }
-            self.recorded.state_changes += 1;
-            self.bind_set(layout, 0, scene.frame_set(self.slot, pipelines.families[index]));
-            match pipeline {
-                Pipeline::Surface(_) => self.draw_surfaces(index, layout, &mut bound),
-                Pipeline::Lighting | Pipeline::Tonemap => {
-                    if let Some(inputs) = self.target.inputs(self.output, stage) {
-                        self.bind_set(layout, 1, inputs);
-                    }
-                    // SAFETY: the full-screen triangle reads no vertex buffer.
-                    unsafe { device.cmd_draw(raw, 3, 1, 0, 0) };
-                    self.recorded.draws += 1;
-                }
-            }
+            // SAFETY: the full-screen triangle reads no vertex buffer.
+            unsafe { self.recorder.device().raw().cmd_draw(self.recorder.raw(), 3, 1, 0, 0) };
+            self.recorded.draws += 1;
         }
     }
 
-    fn draw_surfaces(&mut self, pipeline: usize, layout: vk::PipelineLayout, bound: &mut BoundMesh) {
-        let scene = &self.renderer.scene;
-        let mut bound_material = None;
-        for batch in scene.objects().batches_of(pipeline).iter().filter(|b| !b.visible.is_empty()) {
-            if bound_material != Some(batch.material_set) {
+    /// Draws what the view sees of all surfaces that the stage draws.
+    fn draw_surfaces(&mut self, stage: usize) {
+        let Renderer { pipelines, scene, .. } = self.renderer;
+        let mut bound_mesh = BoundMesh::default();
+        let (mut bound_pipeline, mut bound_material) = (None, None);
+        for batch in scene.objects().batches().iter().filter(|b| !b.visible.is_empty()) {
+            let Some(index) = pipelines.drawing(stage, batch.pipeline) else { continue };
+            let layout = match bound_pipeline {
+                Some((bound, layout)) if bound == index => layout,
+                _ => {
+                    bound_material = None;
+                    self.bind_pipeline(index)
+                }
+            };
+            bound_pipeline = Some((index, layout));
+            if pipelines.families[index].has_material() && bound_material != Some(batch.material_set) {
                 self.bind_set(layout, 1, scene.material_set(batch.material_set));
                 bound_material = Some(batch.material_set);
             }
-            self.recorded.state_changes += scene.bind_mesh(self.recorder, batch, bound);
+            self.recorded.state_changes += scene.bind_mesh(self.recorder, batch, &mut bound_mesh);
             scene.draw(self.recorder, batch);
             self.recorded.draws += 1;
         }
+    }
+
+    /// Binds the n-th of `Plan::pipelines` and what its frame has once.
+    fn bind_pipeline(&mut self, index: usize) -> vk::PipelineLayout {
+        let Renderer { pipelines, scene, .. } = self.renderer;
+        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+        let pipeline = pipelines.pipelines[index].raw();
+        // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
+        unsafe { device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::GRAPHICS, pipeline) };
+        self.recorded.state_changes += 1;
+        let layout = pipelines.layout_of(index).layout.raw();
+        self.bind_set(layout, 0, scene.frame_set(self.slot, pipelines.families[index]));
+        layout
     }
 
     fn bind_set(&mut self, layout: vk::PipelineLayout, index: u32, set: vk::DescriptorSet) {

@@ -99,6 +99,11 @@ pub enum Module {
         /// What it reads of the lights.
         lights: LightInputs,
     },
+    /// Keeps nothing of a surface but what its alpha mask leaves.
+    Mask {
+        /// Whether the material has any texture.
+        textured: bool,
+    },
     /// Shades the G-buffer by punctual lights.
     Lighting {
         /// How the G-buffer is laid out.
@@ -118,11 +123,6 @@ pub enum Module {
         texcoord: bool,
         /// Vertex colours.
         color: bool,
-    },
-    /// Cuts the shadow of an alpha mask.
-    ShadowFragment {
-        /// Whether the mask samples a texture.
-        textured: bool,
     },
 }
 
@@ -169,13 +169,13 @@ impl Module {
             all.push(Self::Unlit { textured });
             all.extend(LightInputs::all().map(|lights| Self::Forward { textured, lights }));
         }
+        all.extend([false, true].map(|textured| Self::Mask { textured }));
         all.extend([Self::Tonemap, Self::Fullscreen]);
         for (masked, texcoord, color) in
             [(false, false, false), (true, true, false), (true, false, true), (true, true, true)]
         {
             all.push(Self::ShadowVertex { masked, texcoord, color });
         }
-        all.extend([false, true].map(|textured| Self::ShadowFragment { textured }));
         all
     }
 
@@ -199,6 +199,7 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
+            Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
             Self::Forward { textured, lights } => {
                 format!("forward{}{}.frag", lights.suffix(), suffix(textured, "_textured"))
             }
@@ -207,7 +208,6 @@ impl Module {
             Self::ShadowVertex { texcoord, color, .. } => {
                 format!("shadow_masked_{}{}.vert", suffix(texcoord, "u"), suffix(color, "c"))
             }
-            Self::ShadowFragment { textured } => format!("shadow{}.frag", suffix(textured, "_textured")),
             Self::Tonemap => "tonemap.frag".into(),
             Self::Fullscreen => "fullscreen.vert".into(),
         }
@@ -220,11 +220,11 @@ impl Module {
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
             Self::Forward { .. } => "forward.frag",
+            Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
             Self::ShadowVertex { .. } => "shadow.vert",
-            Self::ShadowFragment { .. } => "shadow.frag",
         }
     }
 
@@ -235,9 +235,9 @@ impl Module {
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
+            | Self::Mask { .. }
             | Self::Lighting { .. }
-            | Self::Tonemap
-            | Self::ShadowFragment { .. } => Stage::Fragment,
+            | Self::Tonemap => Stage::Fragment,
         }
     }
 
@@ -262,7 +262,7 @@ impl Module {
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
             ]),
-            Self::Unlit { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
             Self::Forward { textured, lights } => {
                 chosen(&[(textured, "TEXTURED"), (lights.clusters, "CLUSTERS"), (lights.shadows, "SHADOWS")])
             }
@@ -274,7 +274,6 @@ impl Module {
             Self::ShadowVertex { masked, texcoord, color } => {
                 chosen(&[(masked, "MASKED"), (texcoord, "HAS_TEXCOORD"), (color, "HAS_COLOR")])
             }
-            Self::ShadowFragment { textured } => chosen(&[(textured, "TEXTURED")]),
             Self::Tonemap | Self::Fullscreen => Vec::new(),
         }
     }

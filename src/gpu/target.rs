@@ -7,7 +7,7 @@ use ash::vk;
 use super::descriptor::{Content, DescriptorSets};
 use super::pipeline::Pipelines;
 use super::{Device, Image, ImageDesc, Owned, conv};
-use crate::plan::{Load, Pipeline, Plan, check_size};
+use crate::plan::{Load, Plan, check_size};
 use crate::{Error, Result};
 
 /// A host's image that frames are drawn to: of the target's size, one sample, one level, of the format
@@ -141,7 +141,7 @@ impl OutputBuilder<'_> {
         let mut set_of_stage = vec![None; self.plan.stage_count()];
         let mut wanted = Vec::new();
         for (index, (stage, pipeline)) in self.plan.pipelines.iter().enumerate() {
-            if matches!(pipeline, Pipeline::Surface(_)) {
+            if pipeline.is_of_surfaces() {
                 continue;
             }
             let family = self.pipelines.layout_of(index);

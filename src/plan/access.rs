@@ -37,6 +37,7 @@ impl Access {
             Use::Write => [Self::ColorWrite].into(),
             Use::Blend => [Self::ColorRead, Self::ColorWrite].into(),
             Use::Depth => [Self::DepthRead, Self::DepthWrite].into(),
+            Use::DepthTest => [Self::DepthRead].into(),
             Use::Read => [Self::InputRead].into(),
         }
     }
@@ -91,7 +92,7 @@ impl State {
     pub const fn of(how: Use) -> Self {
         match how {
             Use::Write | Use::Blend => Self::Color,
-            Use::Depth => Self::Depth,
+            Use::Depth | Use::DepthTest => Self::Depth,
             Use::Read => Self::Input,
         }
     }

@@ -163,7 +163,8 @@ fn subpass(
         colors: of(&[Use::Write, Use::Blend]),
         blend: stage.uses.iter().any(|(_, how)| *how == Use::Blend),
         inputs: of(&[Use::Read]),
-        depth: of(&[Use::Depth]).first().copied(),
+        depth: of(&[Use::Depth, Use::DepthTest]).first().copied(),
+        depth_write: stage.uses.iter().any(|(_, how)| *how == Use::Depth),
         preserve: live.iter().copied().filter(|&i| unused_here(&attachments[i])).collect(),
         live_color_bits: bits(false),
         live_depth_bits: bits(true),
@@ -190,23 +191,30 @@ impl Dependencies {
         entry.why.push(why);
     }
 
-    /// Each touch waits for the one before it. The store at the end of the pass, even one that discards, counts
-    /// as a write by the last subpass that touches the attachment, so that write is ordered too.
+    /// Reads wait for the last write, writes for that and for the reads since. The store at the end of the pass, even one
+    /// that discards, counts as a write by the last subpass that touches the attachment, so that write is ordered too.
     fn order_within(&mut self, frame: &Frame, touches: &[Touch], depth: bool) {
-        for (i, pair) in touches.windows(2).enumerate() {
-            let [a, b] = [&pair[0], &pair[1]];
-            let mut after = Access::of(b.how);
-            if i + 2 == touches.len() {
-                after.insert(Access::store(depth));
+        for (index, b) in touches.iter().enumerate() {
+            let is_last = index + 1 == touches.len();
+            let written = touches[..index].iter().rposition(|t| t.how.writes());
+            let reads = &touches[written.map_or(0, |w| w + 1)..index];
+            // A write that follows reads is ordered after the earlier write by them.
+            let written = written.filter(|_| !b.how.writes() || reads.is_empty()).map(|w| &touches[w]);
+            let reads = reads.iter().filter(|_| b.how.writes() || is_last);
+            for a in written.into_iter().chain(reads) {
+                let mut after = Access::of(b.how);
+                if is_last {
+                    after.insert(Access::store(depth));
+                }
+                let names = [a.resource, b.resource].map(|r| frame.resources[r].name);
+                let why = match (a.how.writes(), b.how.writes()) {
+                    (true, false) => format!("{} is written, then read", names[0]),
+                    (true, true) => format!("{} is written, then added to", names[0]),
+                    (false, true) => format!("{} is read, then overwritten by {}", names[0], names[1]),
+                    (false, false) => format!("{} is read twice, then dropped or stored", names[0]),
+                };
+                self.add(Some(a.subpass), Some(b.subpass), Access::of(a.how), after, why);
             }
-            let names = [a.resource, b.resource].map(|r| frame.resources[r].name);
-            let why = match (a.how.writes(), b.how.writes()) {
-                (true, false) => format!("{} is written, then read", names[0]),
-                (true, true) => format!("{} is written, then added to", names[0]),
-                (false, true) => format!("{} is read, then overwritten by {}", names[0], names[1]),
-                (false, false) => continue,
-            };
-            self.add(Some(a.subpass), Some(b.subpass), Access::of(a.how), after, why);
         }
     }
 
@@ -275,7 +283,7 @@ pub fn attachments(
             transient: !is_output && in_passes().all(|a| a.load != Load::Load && a.store != Store::Store),
             usage: Usage {
                 color: has(&[Use::Write, Use::Blend]),
-                depth: has(&[Use::Depth]),
+                depth: has(&[Use::Depth, Use::DepthTest]),
                 input: has(&[Use::Read]),
                 copy_source: if is_output { options.output_use == super::OutputUse::Copy } else { kept },
                 blend: has(&[Use::Blend]),

@@ -253,6 +253,14 @@ impl Plan {
                 });
                 format!("surface {kind}{}", why.unwrap_or_default())
             }
+            P::Depth(kind) => {
+                let flags = [
+                    (kind.alpha_mask, " +alpha mask"),
+                    (kind.double_sided, " +double-sided"),
+                    (kind.mirrored, " +mirrored"),
+                ];
+                flags.iter().filter(|(on, _)| *on).fold("depth".into(), |text, (_, flag)| text + flag)
+            }
             P::Lighting if self.folded => format!("lighting, {} tone curve", self.options.tonemap),
             P::Lighting => "lighting".into(),
             P::Tonemap => format!("tonemap, {} curve", self.options.tonemap),

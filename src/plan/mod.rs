@@ -43,6 +43,8 @@ pub use shadow::{
 pub(crate) use shadow_report::planned_bytes;
 pub use shadow_report::{ShadowFigures, ShadowLightReport, ShadowMapReport};
 
+use std::collections::BTreeSet;
+
 use serde::Serialize;
 
 /// What a device allows, as far as a plan depends on it.
@@ -166,6 +168,8 @@ pub struct Subpass {
     pub inputs: Vec<usize>,
     /// Depth test.
     pub depth: Option<usize>,
+    /// Whether it also writes depth; else it draws only what is as near as what earlier subpasses wrote.
+    pub depth_write: bool,
     /// Not used here, but needed later.
     pub preserve: Vec<usize>,
     /// Colour bits a pixel that the tile must hold during this subpass.
@@ -198,10 +202,28 @@ pub enum Pipeline {
     /// Draws one kind of surface: into the G-buffer, or straight to the output where nothing is lit or all is lit at
     /// once (the path `forward`).
     Surface(SurfaceKind),
+    /// Draws the depth of surfaces, as [`SurfaceKind::depth`] sorts them.
+    Depth(SurfaceKind),
     /// Shades the G-buffer.
     Lighting,
     /// Applies the tone curve.
     Tonemap,
+}
+
+impl Pipeline {
+    /// Whether it draws surfaces, not all pixels.
+    pub fn is_of_surfaces(&self) -> bool {
+        matches!(self, Self::Surface(_) | Self::Depth(_))
+    }
+
+    /// Whether it draws surfaces of this kind.
+    pub fn draws(&self, kind: &SurfaceKind) -> bool {
+        match self {
+            Self::Surface(own) => own == kind,
+            Self::Depth(own) => *own == kind.depth(),
+            Self::Lighting | Self::Tonemap => false,
+        }
+    }
 }
 
 /// Everything that a frame creates and does.
@@ -362,10 +384,14 @@ fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) -> crate::R
 
 fn pipelines(frame: &stage::Frame, needs: &Needs) -> Vec<(usize, Pipeline)> {
     let stage = |name| frame.stages.iter().position(|s| s.name == name);
-    let surfaces = needs.kinds.iter().map(|n| (0, Pipeline::Surface(n.kind)));
+    let depths: BTreeSet<_> = needs.kinds.iter().map(|n| n.kind.depth()).collect();
+    let depths =
+        stage("depth").into_iter().flat_map(|s| depths.iter().map(move |&k| (s, Pipeline::Depth(k))));
+    let surface = stage("geometry").or(stage("forward")).unwrap_or(0);
+    let surfaces = needs.kinds.iter().map(|n| (surface, Pipeline::Surface(n.kind)));
     let lighting = stage("lighting").map(|s| (s, Pipeline::Lighting));
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
-    surfaces.chain(lighting).chain(tonemap).collect()
+    depths.chain(surfaces).chain(lighting).chain(tonemap).collect()
 }
 
 fn notes(
@@ -376,6 +402,9 @@ fn notes(
     folded: bool,
 ) -> Vec<String> {
     let mut notes = Vec::new();
+    if options.depth_prepass && needs.triangles <= 1 {
+        notes.push("no triangle hides another: no depth test, so no depth pre-pass".into());
+    }
     if needs.lit.is_none() {
         notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());
     } else if path == Path::Forward {

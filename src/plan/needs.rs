@@ -72,6 +72,14 @@ impl SurfaceKind {
         kind
     }
 
+    /// What drawing its depth alone takes: which sides are drawn, and all of a kind that a mask cuts.
+    pub fn depth(&self) -> Self {
+        match self.alpha_mask {
+            true => *self,
+            false => Self { double_sided: self.double_sided, mirrored: self.mirrored, ..Self::default() },
+        }
+    }
+
     /// The material's textures in slot order.
     pub fn textures_of(m: &Material) -> [Option<TextureRef>; 5] {
         [

@@ -223,6 +223,9 @@ pub struct Options {
     pub fold: bool,
     /// Add half a step of ordered noise before rounding the output to 8 bits; no choice with a float output.
     pub dither: bool,
+    /// Draw the depth of all surfaces first, so that each pixel is shaded once. Pays where shading a pixel costs more than
+    /// drawing its triangles twice.
+    pub depth_prepass: bool,
     /// Store the G-buffer too, so that it can be read back (for debugging and tests).
     pub keep_gbuffer: bool,
 }
@@ -243,6 +246,7 @@ impl Default for Options {
             recycle: true,
             fold: true,
             dither: false,
+            depth_prepass: false,
             keep_gbuffer: false,
         }
     }

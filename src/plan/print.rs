@@ -117,9 +117,12 @@ impl Plan {
                 writeln!(f, "      reads   {}", list(&s.inputs))?;
             }
             let blend = if s.blend { " (added)" } else { "" };
-            writeln!(f, "      writes  {}{blend}", list(&s.colors))?;
+            if !s.colors.is_empty() {
+                writeln!(f, "      writes  {}{blend}", list(&s.colors))?;
+            }
             if let Some(depth) = s.depth {
-                writeln!(f, "      tests   {}", name(depth))?;
+                let equal = if s.depth_write { "" } else { " (equal)" };
+                writeln!(f, "      tests   {}{equal}", name(depth))?;
             }
             writeln!(
                 f,

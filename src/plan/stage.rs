@@ -28,6 +28,8 @@ pub enum Use {
     Blend,
     /// Depth test and write.
     Depth,
+    /// Depth test against what earlier stages wrote.
+    DepthTest,
     /// Input attachment: this pixel of an earlier stage's output.
     Read,
 }
@@ -35,12 +37,12 @@ pub enum Use {
 impl Use {
     /// Whether earlier content matters.
     pub const fn reads(self) -> bool {
-        matches!(self, Self::Blend | Self::Read)
+        matches!(self, Self::Blend | Self::DepthTest | Self::Read)
     }
 
     /// Whether content changes.
     pub const fn writes(self) -> bool {
-        !matches!(self, Self::Read)
+        !matches!(self, Self::DepthTest | Self::Read)
     }
 }
 
@@ -91,7 +93,9 @@ impl Frame {
             });
             resources.len() - 1
         };
-        let depth_uses = if needs.triangles > 1 {
+        let mut stages = Vec::new();
+        let mut depth_uses = Vec::new();
+        if needs.triangles > 1 {
             let target = Target {
                 name: "depth_test",
                 format: Format::D32Float,
@@ -99,14 +103,28 @@ impl Frame {
                 used_bits: 32,
                 clear: Some([0.0; 4]),
             };
-            vec![(add(&target, false, format!("{} triangles hide each other", needs.triangles)), Use::Depth)]
-        } else {
-            Vec::new()
-        };
+            let depth = add(&target, false, format!("{} triangles hide each other", needs.triangles));
+            if options.depth_prepass {
+                let why = "what is nearest is found first, so that no pixel is shaded twice".into();
+                stages.push(Stage { name: "depth", uses: vec![(depth, Use::Depth)], why });
+                depth_uses.push((depth, Use::DepthTest));
+            } else {
+                depth_uses.push((depth, Use::Depth));
+            }
+        }
 
         let lights = || {
-            let Needs { directional_lights, point_lights, spot_lights, .. } = needs;
-            format!("{directional_lights} directional, {point_lights} point and {spot_lights} spot lights")
+            let Needs { directional_lights, point_lights, spot_lights, box_lights, .. } = needs;
+            let more = [
+                (*box_lights, "box"),
+                (needs.hemisphere_lights, "hemisphere (all at the cost of one)"),
+                (needs.back_colors, "with a back colour"),
+            ];
+            let more = more.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!(", {n} {what}"));
+            format!(
+                "{directional_lights} directional, {point_lights} point and {spot_lights} spot lights{}",
+                more.collect::<String>()
+            )
         };
         let lit = match (&needs.lit, path) {
             (Some(lit), Path::Deferred) => lit,
@@ -123,7 +141,8 @@ impl Frame {
                         ("forward", format!("{}; surfaces are lit and tone-mapped as drawn", lights()))
                     }
                 };
-                return Self { resources, stages: vec![Stage { name, uses, why }], folded: true };
+                stages.push(Stage { name, uses, why });
+                return Self { resources, stages, folded: true };
             }
         };
 
@@ -168,7 +187,8 @@ impl Frame {
             uses: vec![(Self::OUTPUT, Use::Write), (light, Use::Read)],
             why: "light from several stages was summed".into(),
         });
-        Self { resources, stages: [geometry, lighting].into_iter().chain(tonemap).collect(), folded }
+        stages.extend([geometry, lighting].into_iter().chain(tonemap));
+        Self { resources, stages, folded }
     }
 
     /// First and last stage that uses the resource; a kept resource lives to the last stage.

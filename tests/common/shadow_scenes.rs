@@ -23,7 +23,7 @@ pub fn one_light_each() -> Vec<Scene> {
     let bulb = Light::new(LightKind::Point { intensity_cd: 12.0 });
     // Between the posts: shadows fall on all faces of the cube around it.
     let bulb = Light { position_world: Vec3::new(0.3, 1.3, 0.2), range_m: Some(9.0), ..bulb };
-    [("sun", sun), ("spot", spot), ("wide", wide_cone()), ("bulb", bulb)]
+    [("sun", sun), ("slab", slab()), ("spot", spot), ("wide", wide_cone()), ("bulb", bulb)]
         .map(|(name, light)| {
             let light = Light { name: name.into(), shadow: Some(Shadow::default()), ..light };
             Scene { name: name.into(), lights: vec![light], ..room() }

@@ -14,6 +14,7 @@ pub struct Case {
     pub scene: String,
     pub layout: Layout,
     pub path: LightPath,
+    pub depth_prepass: bool,
     pub strategy: Strategy,
     pub recycle: bool,
     pub fault: Option<Fault>,
@@ -58,6 +59,7 @@ impl Case {
             scene: scene.into(),
             layout,
             path: LightPath::Deferred,
+            depth_prepass: false,
             strategy: Strategy::Subpasses,
             recycle: true,
             fault: None,
@@ -76,6 +78,7 @@ impl Case {
             strategy: self.strategy,
             layout: self.layout,
             path: self.path,
+            depth_prepass: self.depth_prepass,
             recycle: self.recycle,
             ..Options::default()
         };

@@ -25,6 +25,8 @@ pub(in crate::gpu) enum SecondSet {
     Material { textures: u32 },
     /// `SET_INPUTS`: this many input attachments.
     Inputs { count: u32 },
+    /// There is none.
+    Nothing,
 }
 
 const FRAME: u32 = shared("BINDING_FRAME");
@@ -57,18 +59,27 @@ impl Family {
             .chain(plan.clusters.map(|_| CLUSTERS))
             .chain(plan.shadow_map.iter().flat_map(|_| [SHADOW_VIEWS, SHADOW_MAP]));
         let frame: BTreeSet<u32> = match pipeline {
+            Pipeline::Depth(_) => [FRAME, INSTANCES].into(),
             Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => [FRAME, INSTANCES].into(),
             Pipeline::Surface(_) => [FRAME, INSTANCES].into_iter().chain(lighting).collect(),
             Pipeline::Lighting => [FRAME].into_iter().chain(lighting).collect(),
             Pipeline::Tonemap => [FRAME].into(),
         };
         let second = match pipeline {
-            Pipeline::Surface(kind) => SecondSet::Material { textures: kind.textures.count_ones() },
+            Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
+            Pipeline::Surface(kind) | Pipeline::Depth(kind) => {
+                SecondSet::Material { textures: kind.textures.count_ones() }
+            }
             Pipeline::Lighting | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
         Self { frame: frame.iter().fold(0, |bits, binding| bits | 1 << binding), second }
+    }
+
+    /// Whether the second set is a material's.
+    pub(in crate::gpu) fn has_material(self) -> bool {
+        matches!(self.second, SecondSet::Material { .. })
     }
 
     /// The bindings of `SET_FRAME`, and of the second set.
@@ -83,6 +94,7 @@ impl Family {
                     (textures > 0).then_some((images, T::COMBINED_IMAGE_SAMPLER, textures, S::FRAGMENT));
                 std::iter::once(numbers).chain(images).collect()
             }
+            SecondSet::Nothing => Vec::new(),
             SecondSet::Inputs { count } => {
                 (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT)).collect()
             }

@@ -26,6 +26,8 @@ pub(super) struct Pipelines {
     pub(super) pipelines: Vec<Owned<vk::Pipeline>>,
     /// Likewise.
     pub(super) families: Vec<Family>,
+    /// By stage and pipeline: which pipeline of the stage draws what that pipeline of surfaces draws.
+    drawn_by: Vec<Vec<Option<usize>>>,
     pub(super) layouts: BTreeMap<Family, FamilyLayout>,
 }
 
@@ -33,6 +35,11 @@ impl Pipelines {
     /// The layout of the n-th pipeline's descriptor sets.
     pub(super) fn layout_of(&self, pipeline: usize) -> &FamilyLayout {
         &self.layouts[&self.families[pipeline]]
+    }
+
+    /// The pipeline that draws, in this stage, the surfaces of a [`Pipeline::Surface`].
+    pub(super) fn drawing(&self, stage: usize, surface: usize) -> Option<usize> {
+        self.drawn_by[stage][surface]
     }
 
     pub(super) fn new(
@@ -61,8 +68,18 @@ impl Pipelines {
                 builder.build(*stage, pipeline, place)
             })
             .collect::<Result<_>>()?;
-        Ok(Self { pipelines, families, layouts })
+        let drawn_by = (0..plan.stage_count()).map(|stage| drawn_by(plan, stage)).collect();
+        Ok(Self { pipelines, families, drawn_by, layouts })
     }
+}
+
+fn drawn_by(plan: &Plan, stage: usize) -> Vec<Option<usize>> {
+    let of = |(_, pipeline): &(usize, Pipeline)| {
+        let Pipeline::Surface(kind) = pipeline else { return None };
+        let draws = |(s, p): &(usize, Pipeline)| *s == stage && p.draws(kind);
+        plan.pipelines.iter().position(draws)
+    };
+    plan.pipelines.iter().map(of).collect()
 }
 
 struct Place {
@@ -82,27 +99,29 @@ impl Builder<'_> {
         let plan = self.plan;
         let (vertex, fragment, constants) = modules(plan, pipeline);
         let vertex = self.module(vertex)?;
-        let fragment = self.module(fragment)?;
+        let fragment = fragment.map(|module| self.module(module)).transpose()?;
         let entries: Vec<_> = constants.ids.iter().enumerate().map(|(i, &id)| map_entry(id, i)).collect();
         let special = vk::SpecializationInfo::default()
             .map_entries(&entries)
             .data(bytemuck::cast_slice(&constants.data));
-        let stages = [
+        let mut stages = vec![
             vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::VERTEX)
                 .module(vertex.raw())
                 .name(ENTRY),
+        ];
+        stages.extend(fragment.as_ref().map(|fragment| {
             vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::FRAGMENT)
                 .module(fragment.raw())
                 .name(ENTRY)
-                .specialization_info(&special),
-        ];
-        let kind = match pipeline {
-            Pipeline::Surface(kind) => Some(kind),
-            _ => None,
+                .specialization_info(&special)
+        }));
+        let (kind, input) = match pipeline {
+            Pipeline::Surface(kind) => (Some(kind), VertexInput::new(kind)?),
+            Pipeline::Depth(kind) => (Some(kind), VertexInput::of_depth(kind)?),
+            Pipeline::Lighting | Pipeline::Tonemap => (None, VertexInput::default()),
         };
-        let input = kind.map(VertexInput::new).transpose()?.unwrap_or_default();
         let state = FixedState::new(plan.subpass(stage).2, kind);
         self.create(&stages, &input, &state, place, &plan.pipeline_text(pipeline))
     }

@@ -5,19 +5,33 @@ use super::super::shader::{
 };
 use crate::plan::{Pipeline, Plan, SurfaceKind};
 
-/// Vertex and fragment shader of a pipeline, and what the latter is specialised with.
-pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Specialization) {
+/// Vertex and fragment shader of a pipeline, and what the latter is specialised with; solid depth has no fragment shader.
+pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
     let layout = plan.options.layout;
     let output = OutputConstants { tonemap: plan.options.tonemap, dither: plan.options.dither };
     let lighting = LightingConstants {
         has_directional: plan.needs.directional_lights > 0,
         has_point: plan.needs.point_lights > 0,
         has_spot: plan.needs.spot_lights > 0,
-        shadow_filter: plan.shadow_map.is_some().then_some(plan.options.shadows.filter),
+        has_box: plan.needs.box_lights > 0,
+        has_hemisphere: plan.needs.hemisphere_lights > 0,
+        has_back: plan.needs.back_colors > 0,
+        shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
         fold: plan.folded.then_some(output),
     };
     let lights = LightInputs { clusters: plan.clusters.is_some(), shadows: plan.shadow_map.is_some() };
-    match pipeline {
+    let (vertex, fragment, constants) = match pipeline {
+        Pipeline::Depth(kind) => {
+            let textured = kind.textures != 0;
+            let vertex = Module::GeometryVertex {
+                normal: false,
+                texcoord: textured,
+                tangent: false,
+                color: kind.vertex_color,
+            };
+            let mask = kind.alpha_mask.then_some(Module::Mask { textured });
+            return (vertex, mask, surface_constants(kind).specialization());
+        }
         Pipeline::Surface(kind) => {
             let textured = kind.textures != 0;
             let constants = surface_constants(kind).specialization();
@@ -35,7 +49,8 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Module, Spec
             (Module::Fullscreen, Module::Lighting { layout, lights }, lighting.specialization())
         }
         Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
-    }
+    };
+    (vertex, Some(fragment), constants)
 }
 
 fn vertex_module(kind: &SurfaceKind) -> Module {

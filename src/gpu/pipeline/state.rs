@@ -17,8 +17,22 @@ pub(super) struct VertexInput {
 
 impl VertexInput {
     pub(super) fn new(kind: &SurfaceKind) -> Result<Self> {
+        Self::of(kind, |_| true)
+    }
+
+    /// What depth and masks need; the rest may be bound and is not read.
+    pub(super) fn of_depth(kind: &SurfaceKind) -> Result<Self> {
+        Self::of(kind, |stream| match stream {
+            StreamKind::Position => true,
+            StreamKind::Texcoords | StreamKind::Color => kind.alpha_mask,
+            StreamKind::Normal | StreamKind::Tangent => false,
+        })
+    }
+
+    fn of(kind: &SurfaceKind, wanted: impl Fn(StreamKind) -> bool) -> Result<Self> {
         let mut input = Self::default();
-        for (binding, (stream, format)) in (0..).zip(vertex_streams(kind).list()) {
+        let streams = (0..).zip(vertex_streams(kind).list());
+        for (binding, (stream, format)) in streams.filter(|(_, (stream, _))| wanted(*stream)) {
             let location = match stream {
                 StreamKind::Position => const { shared("ATTRIBUTE_POSITION") },
                 StreamKind::Normal => const { shared("ATTRIBUTE_NORMAL") },
@@ -66,8 +80,11 @@ impl FixedState {
         let depth = subpass.depth.map(|_| {
             vk::PipelineDepthStencilStateCreateInfo::default()
                 .depth_test_enable(true)
-                .depth_write_enable(true)
-                .depth_compare_op(vk::CompareOp::GREATER)
+                .depth_write_enable(subpass.depth_write)
+                .depth_compare_op(match subpass.depth_write {
+                    true => vk::CompareOp::GREATER,
+                    false => vk::CompareOp::EQUAL,
+                })
         });
         let all =
             vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);

@@ -126,9 +126,10 @@ impl Builder<'_> {
             texcoord: kind.mask.is_some_and(|m| m.textured),
             color: kind.mask.is_some_and(|m| m.vertex_color),
         };
-        let fragment = kind.mask.as_ref().map(|mask| {
-            (Module::ShadowFragment { textured: mask.textured }, mask_constants(mask).specialization())
-        });
+        let fragment = kind
+            .mask
+            .as_ref()
+            .map(|mask| (Module::Mask { textured: mask.textured }, mask_constants(mask).specialization()));
         // As the main pass draws it: faces that point away from the light cast no shadow, unless both sides exist. Depth is
         // reversed, so away from the light is down.
         let raster = vk::PipelineRasterizationStateCreateInfo::default()

@@ -1,5 +1,5 @@
 #version 450
-// The holes that an alpha mask cuts into a shadow; solid casters have no fragment shader.
+// The holes that an alpha mask cuts into a surface of which only depth is drawn; solid ones have no fragment shader.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "material.glsl"
