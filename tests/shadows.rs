@@ -324,8 +324,13 @@ fn a_map_is_no_larger_than_what_is_in_it() {
     let scenes = one_light_each();
     let sizes: Vec<_> = scenes.iter().map(|s| (s.name.as_str(), size(s, default()).unwrap())).collect();
     // 1280 pixels: tiles of 1024, a cube's of 512. 3 cascades; 1; 1; 6 faces; 6 faces.
-    let expected =
-        [("sun", [2048, 2048]), ("spot", [1024, 1024]), ("wide", [2048, 1024]), ("bulb", [2048, 1024])];
+    let expected = [
+        ("sun", [2048, 2048]),
+        ("slab", [1024, 1024]),
+        ("spot", [1024, 1024]),
+        ("wide", [2048, 1024]),
+        ("bulb", [2048, 1024]),
+    ];
     assert_eq!(sizes, expected);
     let small = ShadowOptions { tile_texels: Some(300), cascades: 2, ..default() };
     assert_eq!(size(&scenes[0], small), Some([512, 256]));
