@@ -191,7 +191,7 @@ fn finish(
         hides
     };
     let to_viewer = view.to_viewer(attributes.position_world);
-    let reflected = reflected(&attributes, to_viewer, &scene.lights, hidden);
+    let reflected = reflected(&attributes, to_viewer, scene, hidden);
     let linear = match settings.light_layout() {
         Some(layout) => {
             let factor = settings.exposure() * settings.light_scale;

@@ -7,9 +7,9 @@ use glam::DVec3;
 use super::brdf::brdf;
 use super::gbuffer::Attributes;
 use super::punctual::{diffuse_irradiance, incident};
-use crate::scene::Light;
+use crate::scene::Scene;
 
-/// Reflected light of all `lights` in cd/m², before exposure: for each, BRDF * n·l * illuminance (glTF 2.0
+/// Reflected light of all the scene's lights in cd/m², before exposure: for each, BRDF * n·l * illuminance (glTF 2.0
 /// appendix B), plus base colour / pi * irradiance of what is diffuse by definition (back colours, hemispheres; Koonce
 /// 2007, 19.4.1). Zero where the surface is not lit.
 ///
@@ -18,7 +18,7 @@ use crate::scene::Light;
 pub fn reflected(
     attributes: &Attributes,
     to_viewer: DVec3,
-    lights: &[Light],
+    scene: &Scene,
     hidden: impl Fn(usize, DVec3) -> bool,
 ) -> DVec3 {
     if !attributes.lit {
@@ -26,12 +26,13 @@ pub fn reflected(
     }
     let n = attributes.normal_world;
     let lambert = attributes.base_color * (1.0 - attributes.metallic) * FRAC_1_PI;
-    lights
+    scene
+        .lights
         .iter()
         .enumerate()
         .filter(|(_, light)| !light.is_dark())
         .map(|(index, light)| {
-            let incident = incident(light, attributes.position_world);
+            let incident = incident(light, &scene.images, attributes.position_world);
             let diffuse = lambert * diffuse_irradiance(light, &incident, n);
             let n_dot_l = n.dot(incident.to_light);
             if n_dot_l <= 0.0 || incident.illuminance == DVec3::ZERO || hidden(index, incident.to_light) {
@@ -44,6 +45,6 @@ pub fn reflected(
 
 /// Exposed light towards the viewer: what the surface sends by itself and what it reflects, times `exposure`
 /// (the multiplier 2^EV); nothing stands between it and the lights.
-pub fn shade(attributes: &Attributes, to_viewer: DVec3, lights: &[Light], exposure: f64) -> DVec3 {
-    (attributes.prelit + reflected(attributes, to_viewer, lights, |_, _| false)) * exposure
+pub fn shade(attributes: &Attributes, to_viewer: DVec3, scene: &Scene, exposure: f64) -> DVec3 {
+    (attributes.prelit + reflected(attributes, to_viewer, scene, |_, _| false)) * exposure
 }

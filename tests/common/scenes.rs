@@ -11,7 +11,10 @@ use std::path::{Path, PathBuf};
 #[path = "shadow_scenes.rs"]
 pub mod shadow_scenes;
 
-/// The scenes that the repository ships, loaded, in order of name.
+/// The program's own default.
+const MOST_SHADOWS: usize = 8;
+
+/// The scenes that the repository ships, loaded as the program does, in order of name.
 ///
 /// # Panics
 ///
@@ -19,7 +22,11 @@ pub mod shadow_scenes;
 pub fn shipped() -> Vec<Scene> {
     let scenes: Vec<_> = shipped_files()
         .iter()
-        .map(|path| Scene::load(path).unwrap_or_else(|error| panic!("{error}")))
+        .map(|path| {
+            let mut scene = Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
+            scene.keep_lights(None, Some(MOST_SHADOWS));
+            scene
+        })
         .collect();
     assert!(!scenes.is_empty(), "assets/ ships no scene");
     scenes
