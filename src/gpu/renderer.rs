@@ -13,7 +13,7 @@ use super::target::check_formats;
 use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
-use crate::plan::{Needs, Plan, State};
+use crate::plan::{FrameCounts, Needs, Plan, State};
 use crate::scene::{Light, Scene};
 use crate::{Error, Result};
 
@@ -74,17 +74,11 @@ pub struct Renderer {
     recorded: Recorded,
 }
 
-/// What recording a frame put into the command buffer.
+/// What recording a frame did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Recorded {
-    /// Draw calls, full-screen ones included.
-    pub draws: usize,
-    /// Bindings of pipelines, descriptor sets, vertex and index buffers.
-    pub state_changes: usize,
-    /// Instances drawn; the others that have triangles were culled.
-    pub objects: usize,
-    /// Lights that reach something in view; the others that are not dark were culled.
-    pub lights: usize,
+    /// What it put into the command buffer.
+    pub counts: FrameCounts,
     /// CPU time of listing the lights of each part of the view; 0 where the plan has no light lists.
     pub light_lists: std::time::Duration,
     /// The shadow map's part; its draws and state changes are not among the above.
@@ -284,16 +278,11 @@ impl Renderer {
         self.queries.timestamp(recorder, slot as u32, 0, vk::PipelineStageFlags::TOP_OF_PIPE);
         let aspect = f64::from(width) / f64::from(height);
         let shadows = self.shadows.as_mut().map(|s| s.record(recorder, slot, view, aspect, &self.scene));
-        let recorded = Recorded {
-            objects: seen.objects,
-            lights: seen.lights,
-            shadows: shadows.unwrap_or_default(),
-            light_lists: seen.light_lists,
-            ..Recorded::default()
-        };
-        let mut frame = Frame { renderer: self, recorder, slot, target, output, recorded };
+        let shadows = shadows.unwrap_or_default();
+        let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };
+        let mut frame = Frame { renderer: self, recorder, slot, target, output, counts };
         frame.record();
-        self.recorded = frame.recorded;
+        self.recorded = Recorded { counts: frame.counts, light_lists: seen.light_lists, shadows };
     }
 }
 
@@ -304,7 +293,7 @@ struct Frame<'a> {
     slot: usize,
     target: &'a Target,
     output: usize,
-    recorded: Recorded,
+    counts: FrameCounts,
 }
 
 impl Frame<'_> {
@@ -376,7 +365,8 @@ impl Frame<'_> {
             }
             // SAFETY: the full-screen triangle reads no vertex buffer.
             unsafe { self.recorder.device().raw().cmd_draw(self.recorder.raw(), 3, 1, 0, 0) };
-            self.recorded.draws += 1;
+            self.counts.draws += 1;
+            self.counts.triangles += 1;
         }
     }
 
@@ -385,7 +375,7 @@ impl Frame<'_> {
         let Renderer { pipelines, scene, .. } = self.renderer;
         let mut bound_mesh = BoundMesh::default();
         let (mut bound_pipeline, mut bound_material) = (None, None);
-        for batch in scene.objects().batches().iter().filter(|b| !b.visible.is_empty()) {
+        for batch in scene.objects().visible_batches() {
             let Some(index) = pipelines.drawing(stage, batch.pipeline) else { continue };
             let layout = match bound_pipeline {
                 Some((bound, layout)) if bound == index => layout,
@@ -399,9 +389,8 @@ impl Frame<'_> {
                 self.bind_set(layout, 1, scene.material_set(batch.material_set));
                 bound_material = Some(batch.material_set);
             }
-            self.recorded.state_changes += scene.bind_mesh(self.recorder, batch, &mut bound_mesh);
-            scene.draw(self.recorder, batch);
-            self.recorded.draws += 1;
+            scene.bind_mesh(self.recorder, batch, &mut bound_mesh, &mut self.counts.state_changes);
+            scene.draw(self.recorder, batch, &mut self.counts);
         }
     }
 
@@ -412,7 +401,7 @@ impl Frame<'_> {
         let pipeline = pipelines.pipelines[index].raw();
         // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
         unsafe { device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::GRAPHICS, pipeline) };
-        self.recorded.state_changes += 1;
+        self.counts.state_changes.pipelines += 1;
         let layout = pipelines.layout_of(index).layout.raw();
         self.bind_set(layout, 0, scene.frame_set(self.slot, pipelines.families[index]));
         layout
@@ -423,6 +412,6 @@ impl Frame<'_> {
         let point = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: the set was allocated with the layout's n-th set layout, and all its bindings are written.
         unsafe { device.cmd_bind_descriptor_sets(raw, point, layout, index, &[set], &[]) };
-        self.recorded.state_changes += 1;
+        self.counts.state_changes.descriptor_sets += 1;
     }
 }

@@ -5,6 +5,7 @@ use std::cell::Cell;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::around::{Around, Method};
 use super::gbuffer::{Attributes, attributes, interpolate};
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
 use super::shade::reflected;
@@ -32,6 +33,8 @@ pub struct Settings {
     pub light_scale: f64,
     /// Whether lights cast the shadows that they are to cast.
     pub shadows: bool,
+    /// How light from all around is evaluated.
+    pub around: Method,
 }
 
 impl Default for Settings {
@@ -44,6 +47,7 @@ impl Default for Settings {
             light_target: false,
             light_scale: 1.0,
             shadows: true,
+            around: Method::default(),
         }
     }
 }
@@ -115,6 +119,7 @@ impl Frame {
 pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
     let view = View::new(camera, settings.size);
     let visibility = Visibility::new(scene);
+    let around = Around::new(scene, settings.around);
     let occlusion = Occlusion::new(scene, &visibility);
     let occlusion = settings.shadows.then_some(&occlusion);
     let [width, height] = settings.size;
@@ -129,7 +134,7 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
             return Pixel { edge, ..finish(scene, &view, settings, None, nothing, DVec3::ZERO) };
         };
         let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
-        let exact = attributes(&visibility, &view, position_world, hit);
+        let exact = attributes(&visibility, &around, &view, position_world, hit);
         let light_factor = settings.exposure() * settings.light_scale;
         let surface = match settings.layout {
             Some(layout) => quantise(layout, &exact, &view, [x, y], light_factor),

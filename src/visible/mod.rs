@@ -3,8 +3,10 @@
 mod cascades;
 mod clusters;
 mod frustum;
+mod order;
 mod reach;
 mod shadow_views;
+mod sight;
 
 #[cfg(test)]
 mod tests;
@@ -12,5 +14,7 @@ mod tests;
 pub use cascades::{Cascades, MOST_CASCADES, Sphere};
 pub use clusters::{Clusters, Grid};
 pub use frustum::Frustum;
+pub use order::{Distances, DrawOrder, sort_key, sorted_index};
 pub use reach::Reach;
 pub use shadow_views::{ShadowShape, ShadowView, TileSize};
+pub use sight::Sight;
