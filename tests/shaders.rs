@@ -8,7 +8,7 @@ mod reflect;
 mod shader_manifest;
 
 use ontile::gpu::shader::{
-    GeometryConstants, LightInputs, LightingConstants, Module, OutputConstants, Specialization,
+    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, Specialization,
     embedded_names, shared,
 };
 use ontile::gpu::shared::{
@@ -206,8 +206,8 @@ fn shared_structs_have_the_shaders_offsets() {
 
 #[test]
 fn wrong_offsets_are_reported() {
-    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, lights: LightInputs::default() };
-    let frag = frag.spirv().unwrap();
+    let lights = LightInputs { scan: LightLoop::All, shadows: false };
+    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, lights }.spirv().unwrap();
     let light = &blocks()[3];
 
     // Rust's side: two members change places, one is forgotten.
@@ -263,7 +263,7 @@ fn interfaces_have_the_numbers_of_shared_h() {
 fn wrong_interfaces_are_reported() {
     let numbers = shared_numbers();
     let nutc = Module::GeometryVertex { normal: true, texcoord: true, tangent: true, color: true };
-    let lights = LightInputs { clusters: false, shadows: false };
+    let lights = LightInputs { scan: LightLoop::All, shadows: false };
     let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, lights };
     for (module, decoration) in [
         (nutc, Decoration::Location),
@@ -336,6 +336,7 @@ fn specialization(module: Module) -> Specialization {
         Module::GeometryVertex { .. } | Module::Fullscreen | Module::ShadowVertex { .. } => {
             Specialization::default()
         }
+        Module::LightVolume => Specialization::volume(0),
         Module::GeometryFragment { .. } | Module::Mask { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
         Module::Forward { .. } => {

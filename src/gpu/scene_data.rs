@@ -1,6 +1,7 @@
 //! A scene on the device: buffers, textures, descriptor sets, and the order in which it is drawn.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use ash::vk;
 
@@ -16,7 +17,7 @@ use super::shader::shared;
 use super::shadow::ShadowResources;
 use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
 use crate::Result;
-use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind};
+use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind, VolumeShape};
 use crate::scene::Scene;
 
 /// A scene on the device.
@@ -109,6 +110,11 @@ impl SceneData {
             .image_view(view)
             .sampler(sampler)
             .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
+    }
+
+    /// The instances that draw the lights of a shape, of the frame written last.
+    pub(super) fn light_volumes(&self, shape: VolumeShape) -> Range<u32> {
+        self.light_lists.volumes(shape)
     }
 
     /// The buffers that pipelines of this family read, for a frame slot.
@@ -224,9 +230,9 @@ impl SceneData {
                 let buffer = match binding {
                     b if b == const { shared("BINDING_FRAME") } => Some(&frame.uniforms),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
-                    b if b == const { shared("BINDING_CLUSTERS") } => frame.clusters.as_ref(),
+                    b if b == const { shared("BINDING_LIGHTS") } => Some(&frame.lights),
                     b if b == const { shared("BINDING_SHADOW_VIEWS") } => shadows.map(|s| s.views(slot)),
-                    _ => Some(&frame.lights),
+                    _ => frame.light_lists.as_ref(),
                 };
                 // What a pipeline reads exists: surface pipelines only for instances, light lists by the plan.
                 if let Some(buffer) = buffer {

@@ -119,6 +119,8 @@ pub enum Module {
     Tonemap,
     /// One triangle over the whole image.
     Fullscreen,
+    /// A mesh around what a light reaches.
+    LightVolume,
     /// Places a caster in the shadow map. Coordinates and colours are for masks only.
     ShadowVertex {
         /// Whether an alpha mask cuts the surface.
@@ -130,25 +132,49 @@ pub enum Module {
     },
 }
 
-/// What shading reads of the lights beside the list of them: descriptors that exist only where they are needed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+/// The lights that a pixel looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LightLoop {
+    /// All.
+    All,
+    /// Those that shine everywhere and those in the list of its cluster.
+    Cluster,
+    /// The one that is drawn.
+    One,
+}
+
+/// What shading reads of the lights: descriptors that exist only where they are needed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LightInputs {
-    /// Each pixel looks at the lights of its cluster, not at all.
-    pub clusters: bool,
-    /// Lights cast shadows.
+    /// Which lights a pixel looks at.
+    pub scan: LightLoop,
+    /// Whether they cast shadows.
     pub shadows: bool,
 }
 
 impl LightInputs {
-    /// Every combination.
-    pub fn all() -> impl Iterator<Item = Self> {
-        (0..4).map(|bits| Self { clusters: bits & 1 != 0, shadows: bits & 2 != 0 })
+    /// Without and with shadows, for each of these.
+    fn of(loops: &[LightLoop]) -> impl Iterator<Item = Self> {
+        loops.iter().flat_map(|&scan| [false, true].map(|shadows| Self { scan, shadows }))
     }
 
     /// Its part of a module's name.
     fn suffix(self) -> String {
-        let parts = [(self.clusters, "_clusters"), (self.shadows, "_shadows")];
-        parts.iter().filter(|(has, _)| *has).map(|(_, name)| *name).collect()
+        let scan = match self.scan {
+            LightLoop::All => "",
+            LightLoop::Cluster => "_clusters",
+            LightLoop::One => "_one",
+        };
+        format!("{scan}{}", if self.shadows { "_shadows" } else { "" })
+    }
+
+    /// Macros, and whether they are defined.
+    fn defines(self) -> [(bool, &'static str); 3] {
+        [
+            (self.scan == LightLoop::Cluster, "CLUSTERS"),
+            (self.scan == LightLoop::One, "ONE_LIGHT"),
+            (self.shadows, "SHADOWS"),
+        ]
     }
 }
 
@@ -181,16 +207,17 @@ impl Module {
                 all.push(module(false, Around::Nothing));
                 all.extend(AROUND.map(|around| module(true, around)));
             }
-            all.extend(LightInputs::all().map(|lights| Self::Lighting { layout, lights }));
+            let loops = [LightLoop::All, LightLoop::Cluster, LightLoop::One];
+            all.extend(LightInputs::of(&loops).map(|lights| Self::Lighting { layout, lights }));
         }
         for textured in [false, true] {
             all.push(Self::Unlit { textured });
-            for lights in LightInputs::all() {
+            for lights in LightInputs::of(&[LightLoop::All, LightLoop::Cluster]) {
                 all.extend(AROUND.map(|around| Self::Forward { textured, lights, around }));
             }
         }
         all.extend([false, true].map(|textured| Self::Mask { textured }));
-        all.extend([Self::Tonemap, Self::Fullscreen]);
+        all.extend([Self::Tonemap, Self::Fullscreen, Self::LightVolume]);
         for (masked, texcoord, color) in
             [(false, false, false), (true, true, false), (true, false, true), (true, true, true)]
         {
@@ -232,6 +259,7 @@ impl Module {
             }
             Self::Tonemap => "tonemap.frag".into(),
             Self::Fullscreen => "fullscreen.vert".into(),
+            Self::LightVolume => "light_volume.vert".into(),
         }
     }
 
@@ -247,13 +275,17 @@ impl Module {
             Self::Tonemap => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
             Self::ShadowVertex { .. } => "shadow.vert",
+            Self::LightVolume => "light_volume.vert",
         }
     }
 
     /// The stage that it is for.
     pub fn stage(self) -> Stage {
         match self {
-            Self::GeometryVertex { .. } | Self::Fullscreen | Self::ShadowVertex { .. } => Stage::Vertex,
+            Self::GeometryVertex { .. }
+            | Self::Fullscreen
+            | Self::LightVolume
+            | Self::ShadowVertex { .. } => Stage::Vertex,
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
@@ -287,22 +319,25 @@ impl Module {
                 (around >= Around::Environment, "ENVIRONMENT"),
             ]),
             Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Forward { textured, lights, around } => chosen(&[
-                (textured, "TEXTURED"),
-                (lights.clusters, "CLUSTERS"),
-                (lights.shadows, "SHADOWS"),
-                (around >= Around::Ambient, "AMBIENT"),
-                (around >= Around::Environment, "ENVIRONMENT"),
-            ]),
-            Self::Lighting { layout, lights } => chosen(&[
-                (true, layout_define(layout)),
-                (lights.clusters, "CLUSTERS"),
-                (lights.shadows, "SHADOWS"),
-            ]),
+            Self::Forward { textured, lights, around } => {
+                let [clusters, one, shadows] = lights.defines();
+                chosen(&[
+                    (textured, "TEXTURED"),
+                    clusters,
+                    one,
+                    shadows,
+                    (around >= Around::Ambient, "AMBIENT"),
+                    (around >= Around::Environment, "ENVIRONMENT"),
+                ])
+            }
+            Self::Lighting { layout, lights } => {
+                let [clusters, one, shadows] = lights.defines();
+                chosen(&[(true, layout_define(layout)), clusters, one, shadows])
+            }
             Self::ShadowVertex { masked, texcoord, color } => {
                 chosen(&[(masked, "MASKED"), (texcoord, "HAS_TEXCOORD"), (color, "HAS_COLOR")])
             }
-            Self::Tonemap | Self::Fullscreen => Vec::new(),
+            Self::Tonemap | Self::Fullscreen | Self::LightVolume => Vec::new(),
         }
     }
 

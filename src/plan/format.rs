@@ -25,6 +25,10 @@ named_enum! {
         D32Float = "d32f",
         /// 16-bit unsigned normalised depth.
         D16Unorm = "d16",
+        /// 32-bit float depth and 8 bits of stencil.
+        D32FloatS8 = "d32f_s8",
+        /// 24-bit unsigned normalised depth and 8 bits of stencil.
+        D24UnormS8 = "d24_s8",
     }
 }
 
@@ -37,8 +41,10 @@ impl Format {
             | Self::Rgba8Srgb
             | Self::Bgra8Srgb
             | Self::Rgb10a2Unorm
-            | Self::D32Float => 32,
+            | Self::D32Float
+            | Self::D24UnormS8 => 32,
             Self::D16Unorm => 16,
+            Self::D32FloatS8 => 40,
             Self::Rgba16Float => 64,
             Self::Rgba32Float => 128,
         }
@@ -51,7 +57,12 @@ impl Format {
 
     /// Whether this is a depth format.
     pub const fn is_depth(self) -> bool {
-        matches!(self, Self::D32Float | Self::D16Unorm)
+        matches!(self, Self::D32Float | Self::D16Unorm) || self.has_stencil()
+    }
+
+    /// Whether it has stencil bits beside depth.
+    pub const fn has_stencil(self) -> bool {
+        matches!(self, Self::D32FloatS8 | Self::D24UnormS8)
     }
 }
 

@@ -260,7 +260,12 @@ impl Plan {
                 flags.iter().filter(|(on, _)| *on).fold("depth".into(), |text, (_, flag)| text + flag)
             }
             P::Lighting if self.folded => format!("lighting, {} tone curve", self.options.tonemap),
+            P::Lighting if matches!(self.light_way, super::LightWay::Volumes | super::LightWay::Stencil) => {
+                "lighting by what shines everywhere".into()
+            }
             P::Lighting => "lighting".into(),
+            P::LightMask(shape) => format!("light mask, {shape}"),
+            P::LightVolume(shape) => format!("light, {shape}"),
             P::Tonemap => format!("tonemap, {} curve", self.options.tonemap),
         }
     }

@@ -38,21 +38,23 @@ const SHADOW_MAP: u32 = shared("BINDING_SHADOW_MAP");
 const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
 const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
+const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 9] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 10] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
         (FRAME, T::UNIFORM_BUFFER, both),
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
-        (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (LIGHTS, T::STORAGE_BUFFER, both),
         (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
         (SHADOW_VIEWS, T::STORAGE_BUFFER, S::FRAGMENT),
         (SHADOW_MAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
 
@@ -69,6 +71,8 @@ impl Family {
             Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => [FRAME, INSTANCES].into(),
             Pipeline::Surface(_) => [FRAME, INSTANCES].into_iter().chain(lighting).collect(),
             Pipeline::Lighting => [FRAME].into_iter().chain(lighting).collect(),
+            Pipeline::LightMask(_) => [FRAME, LIGHTS, VOLUMES].into(),
+            Pipeline::LightVolume(_) => [FRAME, VOLUMES].into_iter().chain(lighting).collect(),
             Pipeline::Tonemap => [FRAME].into(),
         };
         let around: &[u32] = match pipeline {
@@ -77,14 +81,15 @@ impl Family {
                 Around::Ambient => &[SPLIT_SUM],
                 Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
             },
-            Pipeline::Depth(_) | Pipeline::Lighting | Pipeline::Tonemap => &[],
+            _ => &[],
         };
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
+            Pipeline::LightMask(_) => SecondSet::Nothing,
             Pipeline::Surface(kind) | Pipeline::Depth(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
-            Pipeline::Lighting | Pipeline::Tonemap => {
+            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };

@@ -1,12 +1,14 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightInputs, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
+    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, Specialization,
+    TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{Pipeline, Plan, SurfaceKind};
+use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
 
-/// Vertex and fragment shader of a pipeline, and what the latter is specialised with; solid depth has no fragment shader.
+/// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
+/// are specialised with.
 pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
     let layout = plan.options.layout;
     let output = OutputConstants { tonemap: plan.options.tonemap, dither: plan.options.dither };
@@ -20,7 +22,10 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
         fold: plan.folded.then_some(output),
     };
-    let lights = LightInputs { clusters: plan.clusters.is_some(), shadows: plan.shadow_map.is_some() };
+    let shadows = plan.shadow_map.is_some();
+    let scan = if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All };
+    let lights = LightInputs { scan, shadows };
+    let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
     let (vertex, fragment, constants) = match pipeline {
         Pipeline::Depth(kind) => {
             let textured = kind.textures != 0;
@@ -50,11 +55,27 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             }
         }
         Pipeline::Lighting => {
+            let lighting = if one_by_one { lighting.only_global() } else { lighting };
             (Module::Fullscreen, Module::Lighting { layout, lights }, lighting.specialization())
+        }
+        Pipeline::LightMask(shape) => return (Module::LightVolume, None, shape_constant(*shape)),
+        Pipeline::LightVolume(shape) => {
+            let module = Module::Lighting { layout, lights: LightInputs { scan: LightLoop::One, shadows } };
+            let constants = lighting.only_local().specialization().and(shape_constant(*shape));
+            (Module::LightVolume, module, constants)
         }
         Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
     };
     (vertex, Some(fragment), constants)
+}
+
+fn shape_constant(shape: VolumeShape) -> Specialization {
+    Specialization::volume(match shape {
+        VolumeShape::Screen => const { shared("VOLUME_SCREEN") },
+        VolumeShape::Sphere => const { shared("VOLUME_SPHERE") },
+        VolumeShape::Cone => const { shared("VOLUME_CONE") },
+        VolumeShape::Box => const { shared("VOLUME_BOX") },
+    })
 }
 
 fn vertex_module(kind: &SurfaceKind) -> Module {
