@@ -72,8 +72,8 @@ impl Cascades {
         for index in 0..count {
             let [begin, end] = [index, index + 1].map(|i| split(slices, i as f64 / count as f64));
             let (distance, radius_m) = across.sphere(begin, end);
-            // Also where distances overflow, which leaves no number to compare.
-            let holds_all = !(radius_m < whole.radius_m);
+            // Where distances overflow, there is no number to compare.
+            let holds_all = radius_m.is_nan() || radius_m >= whole.radius_m;
             cascades.spheres[index] = match holds_all {
                 true => whole,
                 false => Sphere { center: eye + forward * distance, radius_m },
@@ -178,7 +178,7 @@ mod tests {
         let camera = camera(Mat4::from_rotation_y(0.7) * Mat4::from_translation(Vec3::new(1.0, 2.0, 3.0)));
         let cascades = Cascades::new(&camera, ASPECT, &bounds(400.0), 4);
         assert_eq!(cascades.spheres().len(), 4);
-        let eye = DVec3::from(camera.world_from_view.w_axis.truncate().as_dvec3());
+        let eye = camera.world_from_view.w_axis.truncate().as_dvec3();
         let range = distances(eye, &bounds(400.0), 1.0, 0.1, None);
         for (i, sphere) in cascades.spheres().iter().enumerate() {
             let slice = [i, i + 1].map(|i| split(range, i as f64 / 4.0));

@@ -148,7 +148,7 @@ impl ShadowView {
     ///
     /// Its guard is beyond the 90 degrees that are the face's own, so that filters near an edge need no other face.
     pub fn face(light: &Light, face: usize, tile: TileSize) -> Self {
-        let axis = DVec3::AXES[face / 2] * if face % 2 == 0 { 1.0 } else { -1.0 };
+        let axis = DVec3::AXES[face / 2] * if face.is_multiple_of(2) { 1.0 } else { -1.0 };
         Self::perspective(light, light_frame(axis), tile.widened(), tile)
     }
 
@@ -304,7 +304,7 @@ mod tests {
         let center = lamp.position_world.as_dvec3();
         for face in 0..ShadowShape::FACES {
             let view = ShadowView::face(&lamp, face, TILE);
-            let axis = DVec3::AXES[face / 2] * if face % 2 == 0 { 1.0 } else { -1.0 };
+            let axis = DVec3::AXES[face / 2] * if face.is_multiple_of(2) { 1.0 } else { -1.0 };
             let (a, b) = (DVec3::new(axis.y, axis.z, axis.x), DVec3::new(axis.z, axis.x, axis.y));
             for (s, t) in [(1.0, 1.0), (-1.0, 0.3), (0.2, -1.0), (0.0, 0.0)] {
                 let at = texel(&view, TILE, center + (axis + (a * s + b * t) * (1.0 - 1e-9)) * 2.5);
