@@ -25,6 +25,7 @@
 #define INPUT_NORMAL_ROUGHNESS 1
 #define INPUT_BASE_COLOR_METALLIC 2
 #define INPUT_LIGHT 0
+#define INPUT_FOG_DEPTH 1
 
 // Vertex attribute locations.
 #define ATTRIBUTE_POSITION 0
@@ -70,9 +71,20 @@
 #define ID_HAS_BOX 20
 #define ID_HAS_HEMISPHERE 21
 #define ID_HAS_BACK 22
-#define ID_SHADOW_FILTER 23
-#define ID_RGBM 40
 #define ID_VOLUME_SHAPE 23
+#define ID_BACKGROUND 24
+#define ID_BACKGROUND_RED 25
+#define ID_BACKGROUND_GREEN 26
+#define ID_BACKGROUND_BLUE 27
+#define ID_FOG 28
+#define ID_FOG_RED 29
+#define ID_FOG_GREEN 30
+#define ID_FOG_BLUE 31
+#define ID_FOG_DENSITY 32
+#define ID_FOG_BASE 33
+#define ID_FOG_INVERSE_HEIGHT 34
+#define ID_RGBM 40
+#define ID_SHADOW_FILTER 48
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

@@ -331,7 +331,7 @@ fn vertices_have_the_attributes_of_their_key() {
 /// A value for every constant that the typed builders know for this module.
 fn specialization(module: Module) -> Specialization {
     let geometry = GeometryConstants::default().specialization();
-    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false };
+    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false, background: None, fog: None };
     match module {
         Module::GeometryVertex { .. } | Module::Fullscreen | Module::ShadowVertex { .. } => {
             Specialization::default()
@@ -348,7 +348,7 @@ fn specialization(module: Module) -> Specialization {
             let shadow_filter = Some(ontile::plan::ShadowFilter::Grid3);
             LightingConstants { fold: Some(output), shadow_filter, ..Default::default() }.specialization()
         }
-        Module::Tonemap => output.specialization(),
+        Module::Tonemap { .. } => output.specialization(),
     }
 }
 

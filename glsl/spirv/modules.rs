@@ -71,6 +71,7 @@ embed![
     "shadow_masked_u.vert",
     "shadow_masked_uc.vert",
     "tonemap.frag",
+    "tonemap_fog.frag",
     "unlit.frag",
     "unlit_textured.frag",
 ]

@@ -116,7 +116,10 @@ pub enum Module {
         lights: LightInputs,
     },
     /// Turns the light target into the output.
-    Tonemap,
+    Tonemap {
+        /// Whether fog lies between, so that depth is read too.
+        fog: bool,
+    },
     /// One triangle over the whole image.
     Fullscreen,
     /// A mesh around what a light reaches.
@@ -217,7 +220,8 @@ impl Module {
             }
         }
         all.extend([false, true].map(|textured| Self::Mask { textured }));
-        all.extend([Self::Tonemap, Self::Fullscreen, Self::LightVolume]);
+        all.extend([false, true].map(|fog| Self::Tonemap { fog }));
+        all.extend([Self::Fullscreen, Self::LightVolume]);
         for (masked, texcoord, color) in
             [(false, false, false), (true, true, false), (true, false, true), (true, true, true)]
         {
@@ -257,7 +261,7 @@ impl Module {
             Self::ShadowVertex { texcoord, color, .. } => {
                 format!("shadow_masked_{}{}.vert", suffix(texcoord, "u"), suffix(color, "c"))
             }
-            Self::Tonemap => "tonemap.frag".into(),
+            Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
             Self::Fullscreen => "fullscreen.vert".into(),
             Self::LightVolume => "light_volume.vert".into(),
         }
@@ -272,7 +276,7 @@ impl Module {
             Self::Forward { .. } => "forward.frag",
             Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
-            Self::Tonemap => "tonemap.frag",
+            Self::Tonemap { .. } => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
             Self::ShadowVertex { .. } => "shadow.vert",
             Self::LightVolume => "light_volume.vert",
@@ -291,7 +295,7 @@ impl Module {
             | Self::Forward { .. }
             | Self::Mask { .. }
             | Self::Lighting { .. }
-            | Self::Tonemap => Stage::Fragment,
+            | Self::Tonemap { .. } => Stage::Fragment,
         }
     }
 
@@ -337,7 +341,8 @@ impl Module {
             Self::ShadowVertex { masked, texcoord, color } => {
                 chosen(&[(masked, "MASKED"), (texcoord, "HAS_TEXCOORD"), (color, "HAS_COLOR")])
             }
-            Self::Tonemap | Self::Fullscreen | Self::LightVolume => Vec::new(),
+            Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
+            Self::Fullscreen | Self::LightVolume => Vec::new(),
         }
     }
 

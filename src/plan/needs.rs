@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{Around, EnvironmentNeed, ShadowNeeds};
-use crate::scene::{AlphaMode, LightKind, Material, Mesh, Scene, TextureRef};
+use crate::scene::{AlphaMode, Background, Fog, LightKind, Material, Mesh, Scene, TextureRef};
 
 /// The texture slots of a material, in the order of shader slots.
 pub const SLOTS: [&str; 5] = ["base colour", "metallic-roughness", "normal", "occlusion", "emissive"];
@@ -184,6 +184,10 @@ pub struct Needs {
     pub shadows: ShadowNeeds,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
+    /// The background, as linear display light, if it is a colour.
+    pub background: Option<[f32; 3]>,
+    /// Fog, if it changes anything.
+    pub fog: Option<Fog>,
 }
 
 impl Needs {
@@ -247,6 +251,11 @@ impl Needs {
             environment: EnvironmentNeed::of(scene).filter(|_| lit.is_some()),
             shadows,
             triangles: scene.triangle_count(),
+            background: match scene.background {
+                Background::Black => None,
+                Background::Color(color) => Some(color.to_array()),
+            },
+            fog: scene.fog.filter(|fog| fog.density_per_m > 0.0 && !kinds.is_empty()),
             lit,
             kinds,
         }

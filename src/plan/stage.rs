@@ -1,6 +1,6 @@
 //! The stages of a frame and the resources that they exchange, before anything is placed in memory.
 
-use super::{Format, LightWay, Needs, Options, Path, layout::Target};
+use super::{Format, Layout, LightWay, Needs, Options, Path, layout::Target};
 
 /// Something that stages write and read, one value a pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -144,16 +144,21 @@ impl Frame {
             (Some(lit), Path::Deferred) => lit,
             (lit, _) => {
                 // Nothing covers the whole image, so the output itself must be cleared.
-                resources[Self::OUTPUT].clear = Some([0.0, 0.0, 0.0, 1.0]);
+                let [red, green, blue] = needs.background.unwrap_or_default();
+                resources[Self::OUTPUT].clear = Some([red, green, blue, 1.0]);
+                let fogged = if needs.fog.is_some() { ", fogged" } else { "" };
                 let uses = std::iter::once((Self::OUTPUT, Use::Write)).chain(depth_uses).collect();
                 let (name, why) = match lit {
                     None => (
                         "geometry",
-                        "nothing in the scene is lit: surfaces are drawn and tone-mapped at once".into(),
+                        format!(
+                            "nothing in the scene is lit: surfaces are drawn{fogged} and tone-mapped at once"
+                        ),
                     ),
-                    Some(_) => {
-                        ("forward", format!("{}; surfaces are lit and tone-mapped as drawn", lights()))
-                    }
+                    Some(_) => (
+                        "forward",
+                        format!("{}; surfaces are lit{fogged} and tone-mapped as drawn", lights()),
+                    ),
                 };
                 stages.push(Stage { name, uses, why });
                 return Self { resources, stages, folded: true };
@@ -174,6 +179,14 @@ impl Frame {
         let light_why = light_why.join(", ");
         let folded = needs.prelit.is_empty() && options.fold && !one_by_one;
         let light = (!folded).then(|| add(&table.light, options.keep_gbuffer, light_why));
+        if let Some(light) = light {
+            if needs.fog.is_some() {
+                resources[surface[Layout::DEPTH]].why += ", and tonemap for fog";
+            }
+            if needs.fog.is_some() || needs.background.is_some() {
+                resources[light].holds = "rgb: exposed light / range, a: 0 background, 1 surface";
+            }
+        }
 
         let written = surface.iter().chain(&light).map(|&r| (r, Use::Write));
         let geometry = Stage {
@@ -202,8 +215,16 @@ impl Frame {
         };
         let tonemap = light.map(|light| Stage {
             name: "tonemap",
-            uses: vec![(Self::OUTPUT, Use::Write), (light, Use::Read)],
-            why: "light from several stages was summed".into(),
+            uses: [(Self::OUTPUT, Use::Write), (light, Use::Read)]
+                .into_iter()
+                .chain(needs.fog.map(|_| (surface[Layout::DEPTH], Use::Read)))
+                .collect(),
+            why: match needs.fog {
+                Some(_) => {
+                    "light from several stages was summed; fog goes by the depth of what sent it".into()
+                }
+                None => "light from several stages was summed".into(),
+            },
         });
         stages.extend([geometry, lighting].into_iter().chain(tonemap));
         Self { resources, stages, folded }

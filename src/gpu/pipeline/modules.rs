@@ -11,7 +11,12 @@ use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
 /// are specialised with.
 pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
     let layout = plan.options.layout;
-    let output = OutputConstants { tonemap: plan.options.tonemap, dither: plan.options.dither };
+    let output = OutputConstants {
+        tonemap: plan.options.tonemap,
+        dither: plan.options.dither,
+        background: plan.needs.background,
+        fog: plan.needs.fog,
+    };
     let lighting = LightingConstants {
         has_directional: plan.needs.directional_lights > 0,
         has_point: plan.needs.point_lights > 0,
@@ -64,7 +69,10 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             let constants = lighting.only_local().specialization().and(shape_constant(*shape));
             (Module::LightVolume, module, constants)
         }
-        Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
+        Pipeline::Tonemap => {
+            let fog = plan.needs.fog.is_some();
+            (Module::Fullscreen, Module::Tonemap { fog }, output.specialization())
+        }
     };
     (vertex, Some(fragment), constants)
 }
