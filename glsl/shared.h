@@ -11,6 +11,8 @@
 #define BINDING_INSTANCES 1
 #define BINDING_LIGHTS 2
 #define BINDING_CLUSTERS 3
+#define BINDING_SHADOW_VIEWS 4
+#define BINDING_SHADOW_MAP 5
 #define BINDING_SPLIT_SUM 8
 #define BINDING_ENVIRONMENT 9
 #define BINDING_RADIANCE 10
@@ -82,6 +84,7 @@
 #define ID_FOG_BASE 33
 #define ID_FOG_INVERSE_HEIGHT 34
 #define ID_RGBM 40
+#define ID_SHADOW_FILTER 48
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0
@@ -90,6 +93,12 @@
 #define KIND_OCCLUSION 3
 #define KIND_EMISSIVE 4
 #define KIND_COUNT 5
+
+// Values of the constant SHADOW_FILTER.
+#define SHADOW_FILTER_HARDWARE 0
+#define SHADOW_FILTER_GRID3 1
+#define SHADOW_FILTER_GRID5 2
+#define SHADOW_FILTER_JITTERED 3
 
 // Values of the constant TONEMAP.
 #define TONEMAP_NEUTRAL 0

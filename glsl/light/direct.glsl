@@ -5,6 +5,9 @@
 #ifdef CLUSTERS
 #include "light/clusters.glsl"
 #endif
+#ifdef SHADOWS
+#include "light/shadow.glsl"
+#endif
 
 layout(constant_id = ID_HAS_DIRECTIONAL) const bool HAS_DIRECTIONAL = false;
 layout(constant_id = ID_HAS_POINT) const bool HAS_POINT = false;
@@ -35,6 +38,12 @@ vec3 light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
         incident = light_point(lights[i], position);
     }
     float n_dot_l = dot(surface.normal_world, incident.direction);
+#ifdef SHADOWS
+    if (lights[i].shadow != 0u && n_dot_l > 0.0 && incident.illuminance != vec3(0.0)) {
+        incident.illuminance *= shadow(
+            lights[i].shadow, lights[i].position_world, position, surface.normal_world, incident.direction);
+    }
+#endif
     vec3 bsdf = brdf(r, incident.direction, clamp(n_dot_l, 0.0, 1.0));
     vec3 sum = bsdf * (incident.illuminance * max(n_dot_l, 0.0));
     if (HAS_BACK) {

@@ -9,7 +9,10 @@ use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use ontile::environment::TexelFormat;
 use ontile::glam::Vec3;
 use ontile::picture::FileFormat;
-use ontile::plan::{Layout, LightWay, Options, OutputFormat, Path, Strategy, Tonemap};
+use ontile::plan::{
+    Layout, LightWay, Options, OutputFormat, Path, ShadowFilter, ShadowFormat, ShadowOptions, Strategy,
+    Tonemap,
+};
 use ontile::scene::{Background, FogHeight};
 
 /// What is looked at.
@@ -90,6 +93,22 @@ pub struct PlanArgs {
     /// How lights reach pixels
     #[arg(long, value_name = "WAY", default_value_t = LightWay::Fullscreen, value_parser = named(LightWay::ALL, LightWay::name))]
     pub lights: LightWay,
+    /// How many texels of the shadow map a pixel compares with: the nearest four; 3x3 or 5x5 samples over each light's
+    /// spread; or a dozen on a disc that is turned by another angle in each pixel
+    #[arg(long, value_name = "NAME", default_value_t = ShadowFilter::Grid3, value_parser = named(ShadowFilter::ALL, ShadowFilter::name))]
+    pub shadow_filter: ShadowFilter,
+    /// How the shadow map stores depth
+    #[arg(long, value_name = "NAME", default_value_t = ShadowFormat::D32, value_parser = named(ShadowFormat::ALL, ShadowFormat::name))]
+    pub shadow_format: ShadowFormat,
+    /// Side of the shadow map at most, in texels; lights that do not fit get less of it, the least important first
+    #[arg(long, value_name = "TEXELS", default_value_t = 4096)]
+    pub shadow_map: u32,
+    /// Side of a light's part of it; a point light has six of half the side [default: a texel a pixel]
+    #[arg(long, value_name = "TEXELS")]
+    pub shadow_tile: Option<u32>,
+    /// Cascades of a directional light at most
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=4))]
+    pub cascades: u32,
     /// The curve from scene light to display light; linear is none
     #[arg(long, default_value_t = Tonemap::Neutral, value_parser = named(Tonemap::ALL, Tonemap::name))]
     pub tonemap: Tonemap,
@@ -117,6 +136,13 @@ impl PlanArgs {
             path: self.path,
             depth_prepass: self.depth_prepass,
             lights: self.lights,
+            shadows: ShadowOptions {
+                filter: self.shadow_filter,
+                format: self.shadow_format,
+                most_texels: self.shadow_map,
+                tile_texels: self.shadow_tile,
+                cascades: self.cascades,
+            },
             tonemap: self.tonemap,
             output,
             recycle: !self.no_recycle,

@@ -9,6 +9,7 @@ use glam::Mat4;
 use super::pass::create_render_pass;
 use super::pipeline::Pipelines;
 use super::scene_data::{BoundMesh, SceneData};
+use super::shadow::{RecordedShadows, ShadowResources, Shadows};
 use super::target::check_formats;
 use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
@@ -29,11 +30,20 @@ pub struct RendererConfig {
     pub stage_timestamps: bool,
     /// Leave out objects and lights that the view cannot see. Same pixels.
     pub cull: bool,
+    /// Tiles of the shadow map that one frame draws again at most, so that frames take alike. While a tile waits, its shadows
+    /// are those of when it was drawn last. Tiles that were never drawn do not wait.
+    pub shadow_tiles_per_frame: usize,
 }
 
 impl Default for RendererConfig {
     fn default() -> Self {
-        Self { frames_in_flight: 2, capture: false, stage_timestamps: false, cull: true }
+        Self {
+            frames_in_flight: 2,
+            capture: false,
+            stage_timestamps: false,
+            cull: true,
+            shadow_tiles_per_frame: usize::MAX,
+        }
     }
 }
 
@@ -54,6 +64,7 @@ pub struct Renderer {
     // In order of destruction.
     upload: Option<Upload>,
     queries: Queries,
+    shadows: Option<Shadows>,
     scene: SceneData,
     pipelines: Pipelines,
     /// Shared with the targets: their framebuffers are of these passes.
@@ -71,6 +82,8 @@ pub struct Recorded {
     pub counts: FrameCounts,
     /// CPU time of listing the lights of each part of the view; 0 where the plan has no light lists.
     pub light_lists: std::time::Duration,
+    /// The shadow map's part; its draws and state changes are not among the above.
+    pub shadows: RecordedShadows,
 }
 
 impl Renderer {
@@ -101,13 +114,22 @@ impl Renderer {
         let pipelines = Pipelines::new(device, &plan, &passes, cache)?;
         let mut upload = Upload::new(device);
         let slot_count = config.frames_in_flight.max(1);
-        let scene = SceneData::new(device, scene, &plan, &pipelines, slot_count, &mut upload)?;
+        let map = plan.shadow_map.as_ref();
+        let resources = map.map(|map| ShadowResources::new(device, map, slot_count)).transpose()?;
+        let data =
+            SceneData::new(device, scene, &plan, &pipelines, resources.as_ref(), slot_count, &mut upload)?;
+        let shadows = map.zip(resources).map(|(map, resources)| {
+            let most = config.shadow_tiles_per_frame;
+            Shadows::new(device, scene, (&plan, map), (resources, &data), most, cache)
+        });
+        let shadows = shadows.transpose()?;
         let timestamps = if config.stage_timestamps { plan.stage_count() + 1 } else { 2 };
         let queries = Queries::new(device, timestamps as u32, slot_count as u32)?;
         Ok(Self {
             upload: Some(upload),
             queries,
-            scene,
+            shadows,
+            scene: data,
             pipelines,
             passes,
             plan,
@@ -180,7 +202,7 @@ impl Renderer {
 
     /// Device memory of the scene's buffers and textures.
     pub fn scene_bytes(&self) -> u64 {
-        self.scene.allocated_bytes()
+        self.scene.allocated_bytes() + self.shadows.as_ref().map_or(0, Shadows::allocated_bytes)
     }
 
     /// Moves the scene's instance `index` for the frames recorded from now on. Those on the GPU go on as they are.
@@ -192,7 +214,11 @@ impl Renderer {
     /// [`Error::Unsupported`] if the scene has no such instance, the matrix is not affine and finite, or the instance would
     /// become mirrored or cease to be (its determinant's sign): that takes another pipeline. Nothing is changed then.
     pub fn set_instance(&mut self, index: usize, world_from_object: &Mat4) -> Result<()> {
-        self.scene.objects_mut().set(index, world_from_object)
+        self.scene.objects_mut().set(index, world_from_object)?;
+        if let Some(shadows) = &mut self.shadows {
+            shadows.set_instance(index, world_from_object);
+        }
+        Ok(())
     }
 
     /// How often an instance that is not dynamic was moved so far.
@@ -201,13 +227,29 @@ impl Renderer {
     }
 
     /// Changes the scene's light `index` for the frames recorded from now on: place, direction, colour, intensity, range
-    /// and cone. It may become dark and light up again.
+    /// and cone. It may become dark and light up again, and cease to cast a shadow; only a light that did when the plan was
+    /// made can begin to.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if the scene has no such light, a number is not finite, or it takes what the plan does not
     /// have: another kind, or light of a kind of which the scene had none that was not dark. Nothing is changed then.
     pub fn set_light(&mut self, index: usize, light: &Light) -> Result<()> {
-        self.scene.lights_mut().set(index, light)
+        if let Some(shadows) = &self.shadows {
+            shadows.check_light(index, light)?;
+        }
+        self.scene.lights_mut().set(index, light)?;
+        if let Some(shadows) = &mut self.shadows {
+            shadows.set_light(index, light);
+        }
+        Ok(())
+    }
+
+    /// Draws the shadow map anew with the next frame. Maps are kept on the assumption that the GPU executes every frame that
+    /// was recorded, in the order of recording; a host that drops one says so here.
+    pub fn redraw_shadows(&mut self) {
+        if let Some(shadows) = &mut self.shadows {
+            shadows.redraw();
+        }
     }
 
     /// Records a frame: no allocation, no wait, no submission.
@@ -231,10 +273,17 @@ impl Renderer {
         assert!(target.is_of(&self.passes), "the target was created by another renderer");
         let vk::Extent2D { width, height } = target.extent();
         let seen = self.scene.write_frame(slot, view, &self.plan, [width, height], self.config.cull);
+        let _label = recorder.label("ontile frame");
+        self.queries.reset(recorder, slot as u32);
+        self.queries.begin_statistics(recorder, slot as u32);
+        self.queries.timestamp(recorder, slot as u32, 0, vk::PipelineStageFlags::TOP_OF_PIPE);
+        let aspect = f64::from(width) / f64::from(height);
+        let shadows = self.shadows.as_mut().map(|s| s.record(recorder, slot, view, aspect, &self.scene));
+        let shadows = shadows.unwrap_or_default();
         let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };
         let mut frame = Frame { renderer: self, recorder, slot, target, output, counts };
         frame.record();
-        self.recorded = Recorded { counts: frame.counts, light_lists: seen.light_lists };
+        self.recorded = Recorded { counts: frame.counts, light_lists: seen.light_lists, shadows };
     }
 }
 
@@ -252,10 +301,6 @@ impl Frame<'_> {
     fn record(&mut self) {
         let Renderer { plan, passes, config, queries, .. } = self.renderer;
         let (recorder, slot) = (self.recorder, self.slot as u32);
-        let _label = recorder.label("ontile frame");
-        queries.reset(recorder, slot);
-        queries.begin_statistics(recorder, slot);
-        queries.timestamp(recorder, slot, 0, vk::PipelineStageFlags::TOP_OF_PIPE);
         let stages = plan.stage_count();
         let mut stage = 0;
         for (index, pass) in plan.passes.iter().enumerate() {

@@ -14,6 +14,7 @@ use super::material_data::Materials;
 use super::objects::{Batch, Objects};
 use super::pipeline::{Family, Pipelines};
 use super::shader::shared;
+use super::shadow::ShadowResources;
 use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
 use crate::Result;
 use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind, VolumeShape};
@@ -42,11 +43,12 @@ impl SceneData {
         scene: &Scene,
         plan: &Plan,
         pipelines: &Pipelines,
+        shadows: Option<&ShadowResources>,
         slots: usize,
         upload: &mut Upload,
     ) -> Result<Self> {
         let objects = Objects::new(scene, plan);
-        let lights = Lights::new(&scene.lights);
+        let lights = Lights::new(&scene.lights, plan.shadow_map.as_ref());
         let streams = streams(scene, plan, objects.batches());
         let geometry = Geometry::new(device, upload, &scene.meshes, &streams)?;
         let keys = texture_keys(scene, plan, objects.batches());
@@ -66,7 +68,7 @@ impl SceneData {
             around: AroundData::new(device, upload, scene, plan)?,
             ambient_nt: scene.ambient_nt,
         };
-        data.write_frame_sets(device, pipelines)?;
+        data.write_frame_sets(device, pipelines, shadows)?;
         data.write_material_sets(device, scene, plan, pipelines)?;
         Ok(data)
     }
@@ -84,6 +86,30 @@ impl SceneData {
     /// The lights, to change them.
     pub(super) fn lights_mut(&mut self) -> &mut Lights {
         &mut self.lights
+    }
+
+    /// All meshes.
+    pub(super) fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// A material's uniform block.
+    pub(super) fn material_numbers(&self, material: usize) -> Option<Content<'_>> {
+        self.materials.as_ref().map(|materials| materials.content(material))
+    }
+
+    /// The base colour texture of a material that has one and is drawn.
+    pub(super) fn base_color_image(&self, scene: &Scene, material: usize) -> vk::DescriptorImageInfo {
+        let texture = scene.materials[material].base_color_texture.expect("the plan says that it is sampled");
+        self.image(TextureKey { texture: texture.texture, encoding: ColorEncoding::Srgb })
+    }
+
+    fn image(&self, key: TextureKey) -> vk::DescriptorImageInfo {
+        let (view, sampler) = self.textures.get(key).expect("uploaded by the same list");
+        vk::DescriptorImageInfo::default()
+            .image_view(view)
+            .sampler(sampler)
+            .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
     }
 
     /// The instances that draw the lights of a shape, of the frame written last.
@@ -179,7 +205,12 @@ impl SceneData {
     }
 
     /// One set per frame slot and family.
-    fn write_frame_sets(&mut self, device: &Device, pipelines: &Pipelines) -> Result<()> {
+    fn write_frame_sets(
+        &mut self,
+        device: &Device,
+        pipelines: &Pipelines,
+        shadows: Option<&ShadowResources>,
+    ) -> Result<()> {
         let layouts = pipelines.layouts.values().map(|l| (l.sets[0].raw(), l.bindings[0].as_slice()));
         let slots = self.frames.len();
         let wanted: Vec<_> = (0..slots).flat_map(|_| layouts.clone()).collect();
@@ -190,11 +221,17 @@ impl SceneData {
                     sets.write(index, binding, ty, &content);
                     continue;
                 }
-                let frame = &self.frames[index / self.families.len()];
+                let slot = index / self.families.len();
+                let frame = &self.frames[slot];
+                if let Some(shadows) = shadows.filter(|_| binding == const { shared("BINDING_SHADOW_MAP") }) {
+                    sets.write(index, binding, ty, &Content::Images(vec![shadows.map()]));
+                    continue;
+                }
                 let buffer = match binding {
                     b if b == const { shared("BINDING_FRAME") } => Some(&frame.uniforms),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
                     b if b == const { shared("BINDING_LIGHTS") } => Some(&frame.lights),
+                    b if b == const { shared("BINDING_SHADOW_VIEWS") } => shadows.map(|s| s.views(slot)),
                     _ => frame.light_lists.as_ref(),
                 };
                 // What a pipeline reads exists: surface pipelines only for instances, light lists by the plan.
@@ -241,13 +278,7 @@ impl SceneData {
                 &numbers,
             );
             let images: Vec<_> = material_textures(scene, surface(plan, pipeline), material)
-                .map(|key| {
-                    let (view, sampler) = self.textures.get(key).expect("uploaded by the same list");
-                    vk::DescriptorImageInfo::default()
-                        .image_view(view)
-                        .sampler(sampler)
-                        .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
-                })
+                .map(|key| self.image(key))
                 .collect();
             if !images.is_empty() {
                 let ty = vk::DescriptorType::COMBINED_IMAGE_SAMPLER;

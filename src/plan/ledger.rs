@@ -126,6 +126,8 @@ pub struct DeviceFigures {
     pub statistics: Vec<(String, Figure)>,
     /// What the last frame's commands consist of.
     pub frame: super::FrameCounts,
+    /// What the last frame drew into the shadow map; `null` where there is none.
+    pub shadows: Option<super::ShadowFigures>,
     /// Frames rendered.
     pub frames: usize,
     /// Bytes of device memory that the renderer allocated, transient attachments excluded.
@@ -149,6 +151,8 @@ pub struct Report {
     pub attachments: Vec<AttachmentReport>,
     /// Render passes.
     pub passes: Vec<PassReport>,
+    /// The shadow map, drawn before them; `null` where no light casts shadows.
+    pub shadow_map: Option<super::ShadowMapReport>,
     /// Pipelines, as text.
     pub pipelines: Vec<String>,
     /// With light lists: their bounds.
@@ -200,6 +204,7 @@ impl Plan {
             needs: self.needs.clone(),
             attachments: attachments.collect(),
             passes: self.passes.iter().map(|p| self.pass_report(p)).collect(),
+            shadow_map: self.shadow_map.as_ref().map(|map| map.report(self.options.shadows.filter)),
             pipelines: self.pipelines.iter().map(|(_, p)| self.pipeline_text(p)).collect(),
             clusters: self.clusters,
             totals: Totals {

@@ -19,6 +19,8 @@ mod lights;
 mod needs;
 mod options;
 mod print;
+mod shadow;
+mod shadow_report;
 mod stage;
 #[cfg(test)]
 mod tests;
@@ -35,7 +37,15 @@ pub use ledger::{
 pub use lights::{ClusterBudget, VolumeShape};
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
-pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Strategy, Tonemap};
+pub use options::{
+    Layout, LightWay, Options, OutputFormat, OutputUse, Path, ShadowFilter, ShadowFormat, ShadowOptions,
+    Strategy, Tonemap,
+};
+pub use shadow::{
+    CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, spread_texels,
+};
+pub(crate) use shadow_report::planned_bytes;
+pub use shadow_report::{ShadowFigures, ShadowLightReport, ShadowMapReport};
 
 use std::collections::BTreeSet;
 
@@ -261,6 +271,8 @@ pub struct Plan {
     pub light_way: LightWay,
     /// With [`LightWay::Clusters`]: the lights of each part of the view, listed for every frame.
     pub clusters: Option<ClusterBudget>,
+    /// The shadow map, where lights cast shadows; it is drawn before the first pass.
+    pub shadow_map: Option<ShadowMap>,
     /// Decisions that a reader may wonder about.
     pub notes: Vec<String>,
 }
@@ -282,12 +294,14 @@ impl Plan {
         let passes = derive::passes(&frame, &places, &options);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
         check_counts(&passes, &options, limits)?;
+        let (shadow_map, shadow_notes) = ShadowMap::new(&needs.shadows, &options, limits);
         let around = around::images(&needs, &options);
         let pipelines = pipelines(&frame, &needs, light_way);
         let folded = frame.folded;
         let mut notes = notes(&needs, &options, path, &attachments, folded);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
+        notes.extend(shadow_notes);
         Ok(Self {
             options,
             needs,
@@ -299,6 +313,7 @@ impl Plan {
             folded,
             light_way,
             clusters,
+            shadow_map,
             notes,
         })
     }

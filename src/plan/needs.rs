@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Around, EnvironmentNeed};
+use super::{Around, EnvironmentNeed, ShadowNeeds};
 use crate::scene::{AlphaMode, Background, Fog, LightKind, Material, Mesh, Scene, TextureRef};
 
 /// The texture slots of a material, in the order of shader slots.
@@ -180,6 +180,8 @@ pub struct Needs {
     pub most_local_lights: usize,
     /// The environment, if anything receives its light.
     pub environment: Option<EnvironmentNeed>,
+    /// Lights that cast shadows, and what casts them.
+    pub shadows: ShadowNeeds,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
     /// The background, as linear display light, if it is a colour.
@@ -216,6 +218,12 @@ impl Needs {
                 })
                 .instances += 1;
         }
+        let surfaces = scene.drawn_instances().map(|instance| {
+            let mesh = &scene.meshes[instance.mesh];
+            let material = &scene.materials[mesh.material];
+            (SurfaceKind::new(mesh, material, instance.is_mirrored(), around), mesh.material)
+        });
+        let shadows = ShadowNeeds::new(scene, surfaces);
         let kinds: Vec<_> = kinds.into_values().collect();
         let first = |wanted: fn(&SurfaceKind) -> bool| kinds.iter().find(|n| wanted(&n.kind));
         let lit = first(|k| !k.unlit).map(|n| n.why.clone());
@@ -241,6 +249,7 @@ impl Needs {
                 .count(),
             most_local_lights: most_local_lights(scene),
             environment: EnvironmentNeed::of(scene).filter(|_| lit.is_some()),
+            shadows,
             triangles: scene.triangle_count(),
             background: match scene.background {
                 Background::Black => None,

@@ -16,7 +16,8 @@
 //! on both sides. Three things are *not* the GPU's own: a rasteriser snaps vertices to a subpixel grid and
 //! breaks ties at edges ([`Pixel::edge`] says where that can show); textures are read bilinearly from level 0,
 //! without mip levels or a driver's filter precision ([`texture`]), which [`shade_gbuffer`] avoids by shading
-//! attributes that a GPU wrote; and there are no shadows.
+//! attributes that a GPU wrote; and shadows have hard edges, which lie where rays say and not on a lattice of texels
+//! ([`shadow`], [`Pixel::shadowed`]).
 
 pub mod around;
 pub mod brdf;
@@ -31,6 +32,7 @@ pub mod path;
 pub mod punctual;
 pub mod quantise;
 pub mod shade;
+pub mod shadow;
 pub mod texture;
 pub mod tonemap;
 pub mod view;
@@ -43,5 +45,6 @@ pub use frame::{Frame, Pixel, Settings, render, shade_gbuffer};
 pub use gbuffer::Attributes;
 pub use quantise::{Stored, decode, encode, quantise};
 pub use shade::shade;
+pub use shadow::Occlusion;
 pub use view::View;
 pub use visibility::Visibility;

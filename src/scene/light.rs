@@ -89,6 +89,11 @@ pub struct Shadow {
     pub bias_texels: f32,
 }
 
+impl Shadow {
+    /// Wider filters are narrowed to this radius, texels.
+    pub const MOST_SPREAD_TEXELS: f32 = 12.0;
+}
+
 impl Default for Shadow {
     /// Smoothed over a texel and a half either way, and moved as far.
     fn default() -> Self {

@@ -10,7 +10,13 @@ use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The scenes that the repository ships, loaded, in order of name.
+#[path = "shadow_scenes.rs"]
+pub mod shadow_scenes;
+
+/// The program's own default.
+const MOST_SHADOWS: usize = 8;
+
+/// The scenes that the repository ships, loaded as the program does, in order of name.
 ///
 /// # Panics
 ///
@@ -18,7 +24,11 @@ use std::sync::Arc;
 pub fn shipped() -> Vec<Scene> {
     let scenes: Vec<_> = shipped_files()
         .iter()
-        .map(|path| Scene::load(path).unwrap_or_else(|error| panic!("{error}")))
+        .map(|path| {
+            let mut scene = Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
+            scene.keep_lights(None, Some(MOST_SHADOWS));
+            scene
+        })
         .collect();
     assert!(!scenes.is_empty(), "assets/ ships no scene");
     scenes
@@ -72,6 +82,7 @@ pub fn built() -> Vec<Scene> {
         one_empty_mesh(),
         dark_lights(),
         inside(),
+        shadow_scenes::shadows(),
         foggy(),
         foggy_lights(),
         foggy_unlit(),

@@ -110,7 +110,7 @@ fn rose(uv: Vec2) -> Vec3 {
     let petal = ((turns * 12.0).fract() - 0.5).abs() * 2.0;
     let outer = smoothstep(0.0, 0.06, 0.95 - radius) * smoothstep(0.0, 0.06, radius - 0.42);
     let open = outer * smoothstep(0.0, 0.25, 0.78 - petal + 0.3 * (radius - 0.7));
-    let color = if (turns * 12.0) as u32 % 2 == 0 { srgb(0xffd9a0) } else { srgb(0xff8fb0) };
+    let color = if ((turns * 12.0) as u32).is_multiple_of(2) { srgb(0xffd9a0) } else { srgb(0xff8fb0) };
     let eye =
         smoothstep(0.0, 0.05, 0.28 - radius) * smoothstep(0.0, 0.08, (petal - 0.3).abs() + radius * 0.4);
     color * open + srgb(0x90c8ff) * eye

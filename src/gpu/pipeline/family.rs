@@ -1,5 +1,7 @@
 //! Which descriptor sets a pipeline takes.
 
+use std::collections::BTreeSet;
+
 use ash::vk;
 
 use super::super::descriptor::Binding;
@@ -31,13 +33,15 @@ const FRAME: u32 = shared("BINDING_FRAME");
 const INSTANCES: u32 = shared("BINDING_INSTANCES");
 const LIGHTS: u32 = shared("BINDING_LIGHTS");
 const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
+const SHADOW_VIEWS: u32 = shared("BINDING_SHADOW_VIEWS");
+const SHADOW_MAP: u32 = shared("BINDING_SHADOW_MAP");
 const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
 const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 10] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -45,6 +49,8 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
         (LIGHTS, T::STORAGE_BUFFER, both),
         (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (SHADOW_VIEWS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (SHADOW_MAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
@@ -55,16 +61,19 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
 impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
-        let clusters = plan.clusters.is_some();
-        let frame: &[u32] = match pipeline {
-            Pipeline::Depth(_) => &[FRAME, INSTANCES],
-            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => &[FRAME, INSTANCES],
-            Pipeline::Surface(_) if clusters => &[FRAME, INSTANCES, LIGHTS, CLUSTERS],
-            Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
-            Pipeline::Lighting if clusters => &[FRAME, LIGHTS, CLUSTERS],
-            Pipeline::Lighting => &[FRAME, LIGHTS],
-            Pipeline::LightMask(_) | Pipeline::LightVolume(_) => &[FRAME, LIGHTS, VOLUMES],
-            Pipeline::Tonemap => &[FRAME],
+        // What shading reads of the lights.
+        let lighting = [LIGHTS]
+            .into_iter()
+            .chain(plan.clusters.map(|_| CLUSTERS))
+            .chain(plan.shadow_map.iter().flat_map(|_| [SHADOW_VIEWS, SHADOW_MAP]));
+        let frame: BTreeSet<u32> = match pipeline {
+            Pipeline::Depth(_) => [FRAME, INSTANCES].into(),
+            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => [FRAME, INSTANCES].into(),
+            Pipeline::Surface(_) => [FRAME, INSTANCES].into_iter().chain(lighting).collect(),
+            Pipeline::Lighting => [FRAME].into_iter().chain(lighting).collect(),
+            Pipeline::LightMask(_) => [FRAME, LIGHTS, VOLUMES].into(),
+            Pipeline::LightVolume(_) => [FRAME, VOLUMES].into_iter().chain(lighting).collect(),
+            Pipeline::Tonemap => [FRAME].into(),
         };
         let around: &[u32] = match pipeline {
             Pipeline::Surface(kind) => match kind.around {

@@ -1,8 +1,8 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightLoop, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
-    shared,
+    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, Specialization,
+    TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
 use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
@@ -24,9 +24,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         has_box: plan.needs.box_lights > 0,
         has_hemisphere: plan.needs.hemisphere_lights > 0,
         has_back: plan.needs.back_colors > 0,
+        shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
         fold: plan.folded.then_some(output),
     };
-    let clusters = plan.clusters.is_some();
+    let shadows = plan.shadow_map.is_some();
+    let scan = if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All };
+    let lights = LightInputs { scan, shadows };
     let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
     let (vertex, fragment, constants) = match pipeline {
         Pipeline::Depth(kind) => {
@@ -52,18 +55,17 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
                 let around = kind.around;
-                let module = Module::Forward { textured, clusters, around };
+                let module = Module::Forward { textured, lights, around };
                 (vertex, module, constants.and(lighting.specialization()))
             }
         }
         Pipeline::Lighting => {
-            let lights = if clusters { LightLoop::Cluster } else { LightLoop::All };
             let lighting = if one_by_one { lighting.only_global() } else { lighting };
             (Module::Fullscreen, Module::Lighting { layout, lights }, lighting.specialization())
         }
         Pipeline::LightMask(shape) => return (Module::LightVolume, None, shape_constant(*shape)),
         Pipeline::LightVolume(shape) => {
-            let module = Module::Lighting { layout, lights: LightLoop::One };
+            let module = Module::Lighting { layout, lights: LightInputs { scan: LightLoop::One, shadows } };
             let constants = lighting.only_local().specialization().and(shape_constant(*shape));
             (Module::LightVolume, module, constants)
         }

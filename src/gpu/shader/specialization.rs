@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{KIND_COUNT, shared};
-use crate::plan::Tonemap;
+use crate::plan::{ShadowFilter, Tonemap};
 use crate::scene::Fog;
 
 /// Values for specialisation constants: `data[i]` is that of constant `ids[i]`.
@@ -121,6 +121,8 @@ pub struct LightingConstants {
     pub has_hemisphere: bool,
     /// Some directional or box light has a back colour.
     pub has_back: bool,
+    /// How shadow maps are sampled, where lights have them.
+    pub shadow_filter: Option<ShadowFilter>,
     /// Lighting writes the output itself, like this; `None` adds to the light target.
     pub fold: Option<OutputConstants>,
 }
@@ -147,11 +149,25 @@ impl LightingConstants {
             (const { shared("ID_HAS_BACK") }, self.has_back.into()),
             (const { shared("ID_FOLD") }, self.fold.is_some().into()),
         ]);
+        let lights = match self.shadow_filter {
+            Some(filter) => lights.and(shadow_constants(filter)),
+            None => lights,
+        };
         match self.fold {
             Some(output) => lights.and(output.specialization()),
             None => lights,
         }
     }
+}
+
+fn shadow_constants(filter: ShadowFilter) -> Specialization {
+    let filter = match filter {
+        ShadowFilter::Hardware => const { shared("SHADOW_FILTER_HARDWARE") },
+        ShadowFilter::Grid3 => const { shared("SHADOW_FILTER_GRID3") },
+        ShadowFilter::Grid5 => const { shared("SHADOW_FILTER_GRID5") },
+        ShadowFilter::Jittered => const { shared("SHADOW_FILTER_JITTERED") },
+    };
+    Specialization::from_pairs(&[(const { shared("ID_SHADOW_FILTER") }, filter)])
 }
 
 /// Constants of the modules that write the output: [`super::Module::Tonemap`], [`super::Module::Unlit`],
