@@ -53,6 +53,10 @@ fn printed() -> Vec<(String, String)> {
             "every_feature_forward_prepass".into(),
             plan(&features, Options { depth_prepass: true, ..forward() }),
         ),
+        (
+            "every_feature_multipass".into(),
+            plan(&features, Options { path: Path::ForwardMultipass, ..default() }),
+        ),
         ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
         ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),
     ];

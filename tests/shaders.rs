@@ -10,7 +10,7 @@ mod shader_manifest;
 use ontile::gpu::shader::{
     GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, embedded_names, shared,
 };
-use ontile::gpu::shared::{ClusterGrid, FrameUniforms, InstanceData, LightData, MaterialData};
+use ontile::gpu::shared::{ClusterGrid, FrameUniforms, InstanceData, LightData, LightPush, MaterialData};
 use ontile::plan::Tonemap;
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;
@@ -129,7 +129,7 @@ fn names_are_unique_and_unknown_keys_are_errors() {
     assert!(tangent_only.spirv().unwrap_err().to_string().contains("geometry_t.vert"));
 }
 
-fn blocks() -> [Block; 5] {
+fn blocks() -> [Block; 6] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -168,6 +168,7 @@ fn blocks() -> [Block; 5] {
                 spot_offset,
             }
         ),
+        block!("LightPush" = LightPush { light }),
         block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
     ]
 }
@@ -275,6 +276,8 @@ fn fragments_read_what_vertices_write() {
             let (Module::GeometryFragment { textured, .. }
             | Module::Unlit { textured }
             | Module::Forward { textured, .. }
+            | Module::Base { textured }
+            | Module::Light { textured }
             | Module::Mask { textured }) = *fragment
             else {
                 continue;
@@ -287,8 +290,8 @@ fn fragments_read_what_vertices_write() {
             pairs += 1;
         }
     }
-    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 8 of each.
-    assert_eq!(pairs, 8 * (10 + 6));
+    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 10 of each.
+    assert_eq!(pairs, 10 * (10 + 6));
 }
 
 #[test]
@@ -314,9 +317,9 @@ fn specialization(module: Module) -> Specialization {
     let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false };
     match module {
         Module::GeometryVertex { .. } | Module::Fullscreen => Specialization::default(),
-        Module::GeometryFragment { .. } | Module::Mask { .. } => geometry,
+        Module::GeometryFragment { .. } | Module::Base { .. } | Module::Mask { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
-        Module::Forward { .. } => {
+        Module::Forward { .. } | Module::Light { .. } => {
             geometry.and(LightingConstants { fold: Some(output), ..Default::default() }.specialization())
         }
         Module::Lighting { .. } => {

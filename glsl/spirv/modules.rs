@@ -1,5 +1,7 @@
 // Written by tools/shaders.
 embed![
+    "base.frag",
+    "base_textured.frag",
     "forward.frag",
     "forward_clusters.frag",
     "forward_clusters_textured.frag",
@@ -23,6 +25,8 @@ embed![
     "geometry_p.vert",
     "geometry_u.vert",
     "geometry_uc.vert",
+    "light.frag",
+    "light_textured.frag",
     "lighting_exact.frag",
     "lighting_exact_clusters.frag",
     "lighting_metallic128.frag",

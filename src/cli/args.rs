@@ -55,6 +55,10 @@ pub struct PlanArgs {
     /// Draw the depth of all surfaces first, so that no pixel is shaded twice [default: off]
     #[arg(long)]
     pub depth_prepass: bool,
+    /// On the path forward-multipass, draw all objects for each light, not only those that it reaches [default: draw
+    /// those]
+    #[arg(long)]
+    pub no_illumination_sets: bool,
     /// How lights reach pixels
     #[arg(long, value_name = "WAY", default_value_t = LightWay::Fullscreen, value_parser = named(LightWay::ALL, LightWay::name))]
     pub lights: LightWay,
@@ -84,6 +88,7 @@ impl PlanArgs {
             layout: self.layout,
             path: self.path,
             depth_prepass: self.depth_prepass,
+            illumination_sets: !self.no_illumination_sets,
             lights: self.lights,
             tonemap: self.tonemap,
             output,

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::convert;
 use super::shared::InstanceData;
-use crate::plan::{Pipeline, Plan, SurfaceKind};
+use crate::plan::{Path, Pipeline, Plan, SurfaceKind};
 use crate::scene::{Aabb, Instance, Scene};
-use crate::visible::Frustum;
+use crate::visible::{Frustum, Reach};
 use crate::{Error, Result};
 use glam::{Mat4, Vec4};
 
@@ -53,6 +53,8 @@ struct Element {
 pub(super) struct Objects {
     batches: Vec<Batch>,
     placed: Vec<Placed>,
+    /// Where the visible instances are, in the order of the instance buffer; `None` where nobody asks.
+    bounds_of_visible: Option<Vec<Aabb>>,
     elements: Vec<Element>,
     static_moves: u64,
 }
@@ -104,7 +106,9 @@ impl Objects {
                 }),
             }
         }
-        Self { batches, placed, elements, static_moves: 0 }
+        let asked = plan.path == Path::ForwardMultipass && plan.options.illumination_sets;
+        let bounds_of_visible = asked.then(|| Vec::with_capacity(placed.len()));
+        Self { batches, placed, bounds_of_visible, elements, static_moves: 0 }
     }
 
     /// How many there are: the length of an instance buffer that can hold all of them.
@@ -120,6 +124,16 @@ impl Objects {
     /// All batches, to give them their materials.
     pub(super) fn batches_mut(&mut self) -> &mut [Batch] {
         &mut self.batches
+    }
+
+    /// The first of these visible instances that a light reaches, and those that follow it without a gap; all where the
+    /// plan has no illumination sets.
+    pub(super) fn first_lit(&self, within: Range<u32>, reach: &Reach) -> Range<u32> {
+        let Some(bounds) = &self.bounds_of_visible else { return within };
+        let is_lit = |i: u32| !reach.misses_aabb(&bounds[i as usize]);
+        let start = within.clone().find(|&i| is_lit(i)).unwrap_or(within.end);
+        let end = (start..within.end).find(|&i| !is_lit(i)).unwrap_or(within.end);
+        start..end
     }
 
     /// Moves an element of `Scene::instances`.
@@ -161,11 +175,13 @@ impl Objects {
     /// its objects are. Returns how many they are.
     pub(super) fn write_visible(&mut self, view: Option<&Frustum>, out: &mut [InstanceData]) -> usize {
         let mut end = 0;
+        self.bounds_of_visible.iter_mut().for_each(Vec::clear);
         for batch in &mut self.batches {
             let first = end;
             for object in &self.placed[batch.placed.clone()] {
                 if !view.is_some_and(|view| view.misses_aabb(&object.bounds_world)) {
                     out[end] = object.data;
+                    self.bounds_of_visible.iter_mut().for_each(|all| all.push(object.bounds_world));
                     end += 1;
                 }
             }

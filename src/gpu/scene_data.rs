@@ -1,6 +1,7 @@
 //! A scene on the device: buffers, textures, descriptor sets, and the order in which it is drawn.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use ash::vk;
 
@@ -16,6 +17,7 @@ use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Text
 use crate::Result;
 use crate::plan::{Pipeline, Plan, SLOTS, SurfaceKind};
 use crate::scene::Scene;
+use crate::visible::Reach;
 
 /// A scene on the device.
 pub(super) struct SceneData {
@@ -70,6 +72,11 @@ impl SceneData {
     /// What is drawn.
     pub(super) fn objects(&self) -> &Objects {
         &self.objects
+    }
+
+    /// Where the lights of the last frame written reach, in their order.
+    pub(super) fn light_reaches(&self) -> &[Reach] {
+        self.light_lists.reaches()
     }
 
     /// What is drawn, to move it.
@@ -146,17 +153,18 @@ impl SceneData {
         changes
     }
 
-    pub(super) fn draw(&self, recorder: &Recorder<'_>, batch: &Batch) {
+    /// Draws some of the batch's visible instances.
+    pub(super) fn draw(&self, recorder: &Recorder<'_>, batch: &Batch, instances: Range<u32>) {
         let range = &self.geometry.meshes()[batch.mesh];
         // SAFETY: `bind_mesh` bound the buffers, and the ranges lie inside them.
         unsafe {
             recorder.device().raw().cmd_draw_indexed(
                 recorder.raw(),
                 range.index_count,
-                batch.visible.len() as u32,
+                instances.len() as u32,
                 range.first_index,
                 range.vertex_offset,
-                batch.visible.start,
+                instances.start,
             );
         }
     }

@@ -99,6 +99,16 @@ pub enum Module {
         /// Whether each pixel looks at the lights of its cluster, not at all.
         clusters: bool,
     },
+    /// Writes the light that leaves a surface without light sources to the light target.
+    Base {
+        /// Whether the material has any texture.
+        textured: bool,
+    },
+    /// Adds what a surface reflects of one light to the light target.
+    Light {
+        /// Whether the material has any texture.
+        textured: bool,
+    },
     /// Keeps nothing of a surface but what its alpha mask leaves.
     Mask {
         /// Whether the material has any texture.
@@ -138,7 +148,9 @@ impl Module {
         for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
             all.push(Self::Forward { textured, clusters });
         }
-        all.extend([false, true].map(|textured| Self::Mask { textured }));
+        for textured in [false, true] {
+            all.extend([Self::Base { textured }, Self::Light { textured }, Self::Mask { textured }]);
+        }
         all.extend([Self::Tonemap, Self::Fullscreen]);
         all
     }
@@ -163,6 +175,8 @@ impl Module {
                 suffix(textured, "_textured"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
+            Self::Base { textured } => format!("base{}.frag", suffix(textured, "_textured")),
+            Self::Light { textured } => format!("light{}.frag", suffix(textured, "_textured")),
             Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
             Self::Forward { textured, clusters } => {
                 let clusters = suffix(clusters, "_clusters");
@@ -183,6 +197,8 @@ impl Module {
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
             Self::Forward { .. } => "forward.frag",
+            Self::Base { .. } => "base.frag",
+            Self::Light { .. } => "light.frag",
             Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap => "tonemap.frag",
@@ -197,6 +213,8 @@ impl Module {
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
+            | Self::Base { .. }
+            | Self::Light { .. }
             | Self::Mask { .. }
             | Self::Lighting { .. }
             | Self::Tonemap => Stage::Fragment,
@@ -224,7 +242,10 @@ impl Module {
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
             ]),
-            Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Unlit { textured }
+            | Self::Base { textured }
+            | Self::Light { textured }
+            | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
             Self::Forward { textured, clusters } => chosen(&[(textured, "TEXTURED"), (clusters, "CLUSTERS")]),
             Self::Lighting { layout, clusters } => {
                 chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])

@@ -256,6 +256,7 @@ impl Plan {
                 ];
                 flags.iter().filter(|(on, _)| *on).fold("depth".into(), |text, (_, flag)| text + flag)
             }
+            P::Light(kind) => format!("one light on {kind}"),
             P::Lighting if self.folded => format!("lighting, {} tone curve", self.options.tonemap),
             P::Lighting => "lighting".into(),
             P::Tonemap => format!("tonemap, {} curve", self.options.tonemap),

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{LightWay, Needs, Options};
+use super::{LightWay, Needs, Options, Path};
 use crate::visible::{Clusters, Grid};
 
 /// The bounds of one frame's light lists.
@@ -38,10 +38,14 @@ impl std::fmt::Display for ClusterBudget {
 }
 
 /// The way, never [`LightWay::Auto`]; what it needs; and why it was chosen, where that is not what was asked for.
-pub(super) fn resolve(needs: &Needs, options: &Options) -> (LightWay, Option<ClusterBudget>, Option<String>) {
+pub(super) fn resolve(
+    needs: &Needs,
+    options: &Options,
+    path: Path,
+) -> (LightWay, Option<ClusterBudget>, Option<String>) {
     let local = needs.local_lights();
     let (way, why) = match options.lights {
-        _ if needs.lit.is_none() => (LightWay::Fullscreen, None),
+        _ if needs.lit.is_none() || path == Path::ForwardMultipass => (LightWay::Fullscreen, None),
         LightWay::Fullscreen => (LightWay::Fullscreen, None),
         asked if local == 0 => {
             let why = format!("lights: fullscreen, not {asked}: no light has a place");

@@ -186,6 +186,11 @@ impl Needs {
         self.point_lights + self.spot_lights + self.box_lights
     }
 
+    /// Lights that are not dark.
+    pub fn lights(&self) -> usize {
+        self.directional_lights + self.hemisphere_lights + self.local_lights()
+    }
+
     /// Reads them off a scene.
     pub fn of(scene: &Scene) -> Self {
         let ambient = scene.ambient_nt != glam::Vec3::ZERO;

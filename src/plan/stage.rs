@@ -119,6 +119,24 @@ impl Frame {
         };
         let lit = match (&needs.lit, path) {
             (Some(lit), Path::Deferred) => lit,
+            (Some(_), Path::ForwardMultipass) => {
+                let light = add(&options.layout.table().light, false, "lights are summed one by one".into());
+                let drawn = |how| (light, how);
+                let depth_test =
+                    depth_uses.iter().map(|&(depth, _)| (depth, Use::DepthTest)).collect::<Vec<_>>();
+                let base = if needs.prelit.is_empty() {
+                    "surfaces without their lights, and their depth".into()
+                } else {
+                    needs.prelit.join(", ")
+                };
+                let mut stage = |name, uses: Vec<_>, why| stages.push(Stage { name, uses, why });
+                stage("geometry", std::iter::once(drawn(Use::Write)).chain(depth_uses).collect(), base);
+                let each = format!("{}; each adds to the surfaces that it reaches", lights());
+                stage("lights", std::iter::once(drawn(Use::Blend)).chain(depth_test).collect(), each);
+                let sum = "light from several draws was summed".into();
+                stage("tonemap", vec![(Self::OUTPUT, Use::Write), drawn(Use::Read)], sum);
+                return Self { resources, stages, folded: false };
+            }
             (lit, _) => {
                 // Nothing covers the whole image, so the output itself must be cleared.
                 resources[Self::OUTPUT].clear = Some([0.0, 0.0, 0.0, 1.0]);

@@ -2,6 +2,7 @@
 
 mod clusters;
 mod frustum;
+mod illumination;
 mod reach;
 
 #[cfg(test)]

@@ -128,6 +128,7 @@ fn one_pass_stays_on_the_tile() {
         (1, metallic("one_unlit_triangle")),
         (1, Case { path: LightPath::Forward, ..metallic(ALL_STAGES) }),
         (1, Case { path: LightPath::Forward, ..metallic("lights_only") }),
+        (3, Case { path: LightPath::ForwardMultipass, ..metallic(ALL_STAGES) }),
         (2, Case { path: LightPath::Forward, depth_prepass: true, ..metallic(ALL_STAGES) }),
         (4, Case { depth_prepass: true, ..metallic(ALL_STAGES) }),
     ];

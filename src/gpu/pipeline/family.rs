@@ -4,6 +4,7 @@ use ash::vk;
 
 use super::super::descriptor::Binding;
 use super::super::shader::shared;
+use super::super::shared::LightPush;
 use super::super::{Device, Owned};
 use crate::Result;
 use crate::plan::{Pipeline, Plan};
@@ -14,6 +15,8 @@ pub(in crate::gpu) struct Family {
     /// The bindings of `SET_FRAME`: bit `n` is binding `n`.
     frame: u32,
     second: SecondSet,
+    /// Whether `LightPush` says which light it is.
+    one_light: bool,
 }
 
 /// The set beside `SET_FRAME`.
@@ -47,26 +50,25 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 4] = {
 impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
-        let clusters = plan.clusters.is_some();
-        let frame: &[u32] = match pipeline {
-            Pipeline::Depth(_) => &[FRAME, INSTANCES],
-            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => &[FRAME, INSTANCES],
-            Pipeline::Surface(_) if clusters => &[FRAME, INSTANCES, LIGHTS, CLUSTERS],
-            Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
-            Pipeline::Lighting if clusters => &[FRAME, LIGHTS, CLUSTERS],
-            Pipeline::Lighting => &[FRAME, LIGHTS],
-            Pipeline::Tonemap => &[FRAME],
+        let of_lights: &[u32] = match pipeline {
+            Pipeline::Depth(_) | Pipeline::Tonemap => &[],
+            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() || plan.has_light_target() => &[],
+            Pipeline::Surface(_) | Pipeline::Lighting if plan.clusters.is_some() => &[LIGHTS, CLUSTERS],
+            Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting => &[LIGHTS],
         };
+        let of_surfaces: &[u32] = if pipeline.is_of_surfaces() { &[INSTANCES] } else { &[] };
+        let frame = [FRAME].iter().chain(of_surfaces).chain(of_lights);
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
-            Pipeline::Surface(kind) | Pipeline::Depth(kind) => {
+            Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
             Pipeline::Lighting | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
-        Self { frame: frame.iter().fold(0, |bits, binding| bits | 1 << binding), second }
+        let one_light = matches!(pipeline, Pipeline::Light(_));
+        Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, one_light }
     }
 
     /// Whether the second set is a material's.
@@ -108,8 +110,12 @@ impl FamilyLayout {
         let sets = bindings.iter().filter(|b| !b.is_empty());
         let sets: Vec<_> = sets.map(|b| set_layout(device, family, b)).collect::<Result<_>>()?;
         let raw: Vec<_> = sets.iter().map(Owned::raw).collect();
-        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&raw);
-        // SAFETY: the set layouts are alive and belong to this device.
+        let push = vk::PushConstantRange::default()
+            .stage_flags(vk::ShaderStageFlags::FRAGMENT)
+            .size(size_of::<LightPush>() as u32);
+        let pushes: &[_] = if family.one_light { &[push] } else { &[] };
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&raw).push_constant_ranges(pushes);
+        // SAFETY: the set layouts are alive and belong to this device, and every device has 128 bytes to push.
         let layout = unsafe { device.create_pipeline_layout(&info, &format!("{family:?}")) }?;
         Ok(Self { sets, layout, bindings })
     }

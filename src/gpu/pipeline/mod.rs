@@ -118,7 +118,7 @@ impl Builder<'_> {
                 .specialization_info(&special)
         }));
         let (kind, input) = match pipeline {
-            Pipeline::Surface(kind) => (Some(kind), VertexInput::new(kind)?),
+            Pipeline::Surface(kind) | Pipeline::Light(kind) => (Some(kind), VertexInput::new(kind)?),
             Pipeline::Depth(kind) => (Some(kind), VertexInput::of_depth(kind)?),
             Pipeline::Lighting | Pipeline::Tonemap => (None, VertexInput::default()),
         };

@@ -35,11 +35,17 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             if plan.has_gbuffer() {
                 let light_target = plan.has_light_target();
                 (vertex, Module::GeometryFragment { layout, light_target, textured }, constants)
+            } else if plan.has_light_target() {
+                (vertex, Module::Base { textured }, constants)
             } else if kind.unlit {
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
                 (vertex, Module::Forward { textured, clusters }, constants.and(lighting.specialization()))
             }
+        }
+        Pipeline::Light(kind) => {
+            let constants = surface_constants(kind).specialization().and(lighting.specialization());
+            (vertex_module(kind), Module::Light { textured: kind.textures != 0 }, constants)
         }
         Pipeline::Lighting => {
             (Module::Fullscreen, Module::Lighting { layout, clusters }, lighting.specialization())
