@@ -8,8 +8,8 @@
 #include "brdf.glsl"
 #include "fragment.glsl"
 
-layout(location = TARGET_OUTPUT) out vec4 target_light;
+layout(location = TARGET_OUTPUT) out vec4 target_output;
 
 void main() {
-    target_light = vec4(indirect_light(surface_at_fragment()) * (frame.exposure * frame.light_scale), 1.0);
+    target_output = vec4(indirect_light(surface_at_fragment()) * (frame.exposure * frame.light_scale), 1.0);
 }

@@ -14,10 +14,10 @@ layout(push_constant, std430) uniform LightPush {
     uint light; // number among the frame's lights
 } push;
 
-layout(location = TARGET_OUTPUT) out vec4 target_light;
+layout(location = TARGET_OUTPUT) out vec4 target_output;
 
 void main() {
     Surface surface = surface_at_fragment().surface;
     vec3 light = light_reflected(push.light, surface, position_world(surface.depth), view_direction_world());
-    target_light = vec4(light * (frame.exposure * frame.light_scale), 0.0);
+    target_output = vec4(light * (frame.exposure * frame.light_scale), 0.0);
 }
