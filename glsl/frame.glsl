@@ -12,4 +12,5 @@ layout(set = SET_FRAME, binding = BINDING_FRAME, std140) uniform Frame {
     float light_scale;          // stored light = exposed light * light_scale
     vec4 ambient_nt;
     uvec4 light_counts;         // directional, point, spot, box
+    vec4 hemispheres[3];        // irradiance of hemisphere lights: of channel c, lux, dot(hemispheres[c], (normal, 1))
 } frame;

@@ -61,6 +61,9 @@
 #define ID_FOLD 17
 #define ID_TONEMAP 18
 #define ID_DITHER 19
+#define ID_HAS_BOX 20
+#define ID_HAS_HEMISPHERE 21
+#define ID_HAS_BACK 22
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

@@ -144,6 +144,7 @@ fn blocks() -> [Block; 6] {
                 light_scale,
                 ambient_nt,
                 light_counts,
+                hemispheres,
             }
         ),
         block!("Instance" = InstanceData { world_from_object_rows }),
@@ -166,6 +167,12 @@ fn blocks() -> [Block; 6] {
                 spot_scale,
                 direction_world,
                 spot_offset,
+                up_world,
+                falloff,
+                back_intensity,
+                padding_0,
+                half_size,
+                padding_1,
             }
         ),
         block!("LightPush" = LightPush { light }),

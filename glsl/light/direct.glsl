@@ -1,6 +1,7 @@
 // What light sources add to a surface: shared by every pass that lights surfaces, deferred and forward.
 
 #include "light/punctual.glsl"
+#include "light/extent.glsl"
 #ifdef CLUSTERS
 #include "light/clusters.glsl"
 #endif
@@ -8,26 +9,46 @@
 layout(constant_id = ID_HAS_DIRECTIONAL) const bool HAS_DIRECTIONAL = false;
 layout(constant_id = ID_HAS_POINT) const bool HAS_POINT = false;
 layout(constant_id = ID_HAS_SPOT) const bool HAS_SPOT = false;
+layout(constant_id = ID_HAS_BOX) const bool HAS_BOX = false;
+layout(constant_id = ID_HAS_HEMISPHERE) const bool HAS_HEMISPHERE = false;
+layout(constant_id = ID_HAS_BACK) const bool HAS_BACK = false;
+
+// What a surface sends of diffuse light with this irradiance in lux, in cd/m^2.
+vec3 reflected_diffuse(Surface surface, vec3 irradiance) {
+    return surface.base_color * ((1.0 - surface.metallic) / PI) * irradiance;
+}
 
 // What a surface at `position` reflects of one light towards `v`, both world space: cd/m^2. The light's kind follows from
 // its place in the list.
 vec3 light_reflected(uint i, Surface surface, vec3 position, vec3 v) {
     uint point_begin = frame.light_counts.x;
     uint spot_begin = point_begin + frame.light_counts.y;
+    uint box_begin = spot_begin + frame.light_counts.z;
     Incident incident;
     if (HAS_DIRECTIONAL && i < point_begin) {
         incident = light_directional(lights[i]);
+    } else if (HAS_BOX && i >= box_begin) {
+        incident = light_box(lights[i], position);
     } else if (HAS_SPOT && i >= spot_begin) {
         incident = light_spot(lights[i], position);
     } else {
         incident = light_point(lights[i], position);
     }
-    float n_dot_l = max(dot(surface.normal_world, incident.direction), 0.0);
-    return brdf(surface, surface.normal_world, v, incident.direction) * (incident.illuminance * n_dot_l);
+    float n_dot_l = dot(surface.normal_world, incident.direction);
+    vec3 bsdf = brdf(surface, surface.normal_world, v, incident.direction);
+    vec3 sum = bsdf * (incident.illuminance * max(n_dot_l, 0.0));
+    if (HAS_BACK) {
+        sum += reflected_diffuse(surface, incident.back * max(-n_dot_l, 0.0));
+    }
+    return sum;
 }
 
-// Whether a light with a place can add anything but 0: the surface is in its range and does not face away from it.
+// Whether a light with a place can add anything but 0: the surface is in its reach and does not face away from it.
 bool is_lit_from(uint i, Surface surface, vec3 position) {
+    if (HAS_BOX && i >= frame.light_counts.x + frame.light_counts.y + frame.light_counts.z) {
+        bool faces = HAS_BACK || dot(surface.normal_world, lights[i].direction_world) < 0.0;
+        return faces && all(lessThan(abs(box_position(lights[i], position)), lights[i].half_size));
+    }
     vec3 to_light = lights[i].position_world - position;
     float inverse_range = lights[i].inverse_range;
     bool in_range = dot(to_light, to_light) * (inverse_range * inverse_range) < 1.0;
@@ -41,7 +62,7 @@ uvec2 local_range(vec3 position) {
     return cluster_list(position);
 #else
     uint begin = frame.light_counts.x;
-    return uvec2(begin, begin + frame.light_counts.y + frame.light_counts.z);
+    return uvec2(begin, begin + frame.light_counts.y + frame.light_counts.z + frame.light_counts.w);
 #endif
 }
 
@@ -56,12 +77,15 @@ uint local_light(uint number) {
 // What a surface at `position` reflects of all lights towards `v`, both world space: cd/m^2.
 vec3 direct_light(Surface surface, vec3 position, vec3 v) {
     vec3 sum = vec3(0.0);
+    if (HAS_HEMISPHERE) {
+        sum += reflected_diffuse(surface, light_hemispheres(surface.normal_world));
+    }
     if (HAS_DIRECTIONAL) {
         for (uint i = 0u; i < frame.light_counts.x; ++i) {
             sum += light_reflected(i, surface, position, v);
         }
     }
-    if (HAS_POINT || HAS_SPOT) {
+    if (HAS_POINT || HAS_SPOT || HAS_BOX) {
         // Each pixel of a group looks for its own next light, so that the group evaluates the BRDF as often as the
         // pixel with the most lights needs it. A branch around the BRDF would save less, and nothing where pixels are
         // only masked (lavapipe).

@@ -4,13 +4,19 @@
 struct Light {
     vec3 position_world;
     float inverse_range;  // 1 / m; 0: infinite
-    vec3 intensity;       // colour * candela, directional: colour * lux
+    vec3 intensity;       // colour * candela, directional and box: colour * lux
     float spot_scale;
     vec3 direction_world; // the way the light travels
     float spot_offset;
+    vec3 up_world;        // the light's +Y
+    float falloff;        // of a box, metres
+    vec3 back_intensity;  // lux on surfaces that face away
+    uint padding_0;
+    vec3 half_size;       // of a box, metres
+    uint padding_1;
 };
 
-// Directional lights first, then point, then spot: frame.light_counts.
+// Directional lights first, then point, spot, box: frame.light_counts.
 layout(set = SET_FRAME, binding = BINDING_LIGHTS, std430) readonly buffer Lights {
     Light lights[];
 };
@@ -19,6 +25,7 @@ layout(set = SET_FRAME, binding = BINDING_LIGHTS, std430) readonly buffer Lights
 struct Incident {
     vec3 direction;    // towards the light, unit length
     vec3 illuminance;  // lux, on a surface that faces the light
+    vec3 back;         // lux, on a surface that faces away, as diffuse light
 };
 
 // At a light's centre the inverse square has no limit: it is held at the value of 0.1 mm.
@@ -39,7 +46,7 @@ float spot_falloff(float direction_cosine, float scale, float offset) {
 }
 
 Incident light_directional(Light light) {
-    return Incident(-light.direction_world, light.intensity);
+    return Incident(-light.direction_world, light.intensity, light.back_intensity);
 }
 
 Incident light_point(Light light, vec3 position_world) {
@@ -47,7 +54,7 @@ Incident light_point(Light light, vec3 position_world) {
     float distance_squared = max(dot(to_light, to_light), MIN_DISTANCE_SQUARED);
     float inverse_distance = inversesqrt(distance_squared);
     float window = range_window(distance_squared * inverse_distance, light.inverse_range);
-    return Incident(to_light * inverse_distance, light.intensity * (window / distance_squared));
+    return Incident(to_light * inverse_distance, light.intensity * (window / distance_squared), vec3(0.0));
 }
 
 Incident light_spot(Light light, vec3 position_world) {

@@ -1,5 +1,7 @@
 //! The scene's numbers as shaders read them.
 
+use glam::{DVec4, Vec3};
+
 use super::shared::{InstanceData, LightData, MaterialData};
 use crate::plan::SurfaceKind;
 use crate::scene::{AlphaMode, Light, LightKind, Material, TextureRef};
@@ -30,6 +32,10 @@ pub(super) fn material(m: &Material) -> MaterialData {
 }
 
 pub(super) fn light(l: &Light) -> LightData {
+    let (half_size, falloff) = match l.kind {
+        LightKind::Box { size_m, falloff_m, .. } => (size_m * 0.5, falloff_m),
+        _ => (Vec3::ZERO, 0.0),
+    };
     let (spot_scale, spot_offset) = match l.kind {
         LightKind::Spot { inner_cone_rad, outer_cone_rad, .. } => {
             // KHR_lights_punctual, "Inner and Outer Cone Angles".
@@ -46,5 +52,25 @@ pub(super) fn light(l: &Light) -> LightData {
         spot_scale,
         direction_world: l.direction_world.to_array(),
         spot_offset,
+        up_world: l.up_world.to_array(),
+        falloff,
+        back_intensity: if l.has_back() { l.back_color * l.intensity() } else { Vec3::ZERO }.to_array(),
+        half_size: half_size.to_array(),
+        ..LightData::default()
     }
+}
+
+/// The irradiance of hemisphere lights as [`super::shared::FrameUniforms::hemispheres`] has it, summed in f64. Of one
+/// light: `mix(back, color, 0.5 + 0.5 n·up)`, and up is where its light comes from.
+pub(super) fn hemispheres<'a>(lights: impl Iterator<Item = &'a LightData>) -> [[f32; 4]; 3] {
+    let mut rows = [DVec4::ZERO; 3];
+    for light in lights {
+        let up = -Vec3::from(light.direction_world).as_dvec3();
+        for (channel, row) in rows.iter_mut().enumerate() {
+            let [sky, ground] =
+                [light.intensity, light.back_intensity].map(|lx| 0.5 * f64::from(lx[channel]));
+            *row += (up * (sky - ground)).extend(sky + ground);
+        }
+    }
+    rows.map(|row| row.as_vec4().to_array())
 }

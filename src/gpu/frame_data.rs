@@ -75,19 +75,15 @@ impl FrameData {
         let seen_objects = objects.write_visible(frustum.as_ref(), instances.unwrap_or_default());
         let light_list = bytemuck::cast_slice_mut(self.lights.mapped_mut());
         let counts = lights.write_visible(frustum.as_ref(), light_list, light_lists.reaches_mut());
-        let [directional, point, spot, boxes, _hemispheres] = counts;
-        uniforms.light_counts = [directional, point, spot, boxes];
+        uniforms.light_counts = counts;
+        uniforms.hemispheres = lights.hemispheres();
         self.uniforms.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
         let start = Instant::now();
+        let all = counts.iter().sum::<u32>();
         if let Some(clusters) = &mut self.clusters {
-            let local = directional..directional + point + spot;
-            light_lists.write(view.camera, size, local, clusters.mapped_mut());
+            light_lists.write(view.camera, size, counts[0]..all, clusters.mapped_mut());
         }
-        Seen {
-            objects: seen_objects,
-            lights: counts.iter().sum::<u32>() as usize,
-            light_lists: start.elapsed(),
-        }
+        Seen { objects: seen_objects, lights: all as usize, light_lists: start.elapsed() }
     }
 
     /// Size of the memory.

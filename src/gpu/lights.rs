@@ -6,8 +6,10 @@ use crate::scene::{Light, LightKind};
 use crate::visible::{Frustum, Reach};
 use crate::{Error, Result};
 
-/// How many kinds of lights shaders tell apart.
-const KINDS: usize = 5;
+/// How many kinds of lights there are in buffers.
+const LISTED: usize = 4;
+/// How many kinds of lights there are: hemispheres become one, which is in no buffer.
+const KINDS: usize = LISTED + 1;
 
 /// All lights, in the scene's order.
 pub(super) struct Lights {
@@ -16,6 +18,8 @@ pub(super) struct Lights {
     order: Vec<usize>,
     /// The kinds that shaders were specialised for: those of which a light was not dark at first.
     planned: [bool; KINDS],
+    /// Whether shaders were specialised for light from behind.
+    planned_back: bool,
 }
 
 struct Placed {
@@ -30,6 +34,11 @@ impl Placed {
         let reach = (!light.is_dark()).then(|| Reach::of(light));
         Self { kind: kind_index(&light.kind), data: convert::light(light), reach }
     }
+
+    /// Whether it needs shaders that light surfaces from behind.
+    fn has_back(&self) -> bool {
+        self.kind != LISTED && self.data.back_intensity != [0.0; 3]
+    }
 }
 
 /// Which of [`KINDS`] it is; lights of a kind follow each other in the buffer, in this order.
@@ -39,7 +48,7 @@ fn kind_index(kind: &LightKind) -> usize {
         LightKind::Point { .. } => 1,
         LightKind::Spot { .. } => 2,
         LightKind::Box { .. } => 3,
-        LightKind::Hemisphere { .. } => 4,
+        LightKind::Hemisphere { .. } => LISTED,
     }
 }
 
@@ -50,7 +59,8 @@ impl Lights {
         placed.iter().filter(|l| l.reach.is_some()).for_each(|l| planned[l.kind] = true);
         let mut order: Vec<_> = (0..placed.len()).filter(|&i| planned[placed[i].kind]).collect();
         order.sort_by_key(|&i| placed[i].kind);
-        Self { placed, order, planned }
+        let planned_back = placed.iter().any(|l| l.reach.is_some() && l.has_back());
+        Self { placed, order, planned, planned_back }
     }
 
     /// How many may be lit: the length of a buffer that can hold all of them.
@@ -68,9 +78,7 @@ impl Lights {
             )
         })?;
         let changed = Placed::new(light);
-        let numbers: &[f32] = bytemuck::cast_slice(std::slice::from_ref(&changed.data));
-        let sound = numbers.iter().all(|n| n.is_finite()) && changed.data.intensity.iter().all(|&i| i >= 0.0);
-        if !sound {
+        if !light.is_sound() {
             return Err(Error::unsupported(
                 format!(
                     "light {index} ('{}') has numbers that are not finite, or shines darkness",
@@ -79,7 +87,8 @@ impl Lights {
                 "give finite numbers, and colour and intensity that are not negative",
             ));
         }
-        if changed.kind != placed.kind || (changed.reach.is_some() && !self.planned[changed.kind]) {
+        let known = self.planned[changed.kind] && (self.planned_back || !changed.has_back());
+        if changed.kind != placed.kind || (changed.reach.is_some() && !known) {
             return Err(Error::unsupported(
                 format!("light {index} ('{}') changes into one that the plan does not know", light.name),
                 "make a plan and a renderer of the scene with the new light",
@@ -90,17 +99,16 @@ impl Lights {
     }
 
     /// Writes those that reach something that the view sees (all of them without a view) and are not dark, and returns
-    /// how many they are of each kind: directional, point, spot, box, hemisphere.
-    /// `reaches` gets the reach of each, in their order.
+    /// how many they are of each kind: directional, point, spot, box. `reaches` gets the reach of each, in their order.
     pub(super) fn write_visible(
         &self,
         view: Option<&Frustum>,
         out: &mut [LightData],
         reaches: &mut Vec<Reach>,
-    ) -> [u32; KINDS] {
+    ) -> [u32; LISTED] {
         reaches.clear();
-        let mut counts = [0; KINDS];
-        for light in self.order.iter().map(|&i| &self.placed[i]) {
+        let mut counts = [0; LISTED];
+        for light in self.order.iter().map(|&i| &self.placed[i]).filter(|l| l.kind < LISTED) {
             let Some(reach) = light.reach else { continue };
             if !view.is_some_and(|view| view.misses(&reach)) {
                 out[reaches.len()] = light.data;
@@ -109,5 +117,10 @@ impl Lights {
             }
         }
         counts
+    }
+    /// All hemisphere lights that are not dark as one: [`FrameUniforms::hemispheres`](super::shared::FrameUniforms).
+    pub(super) fn hemispheres(&self) -> [[f32; 4]; 3] {
+        let lights = self.placed.iter().filter(|l| l.kind == LISTED && l.reach.is_some());
+        convert::hemispheres(lights.map(|l| &l.data))
     }
 }

@@ -31,6 +31,8 @@ pub struct FrameUniforms {
     pub ambient_nt: [f32; 4],
     /// How many directional, point, spot and box lights there are; lights are sorted in this order.
     pub light_counts: [u32; 4],
+    /// Irradiance of all hemisphere lights together: of colour channel `c`, in lux, `dot(hemispheres[c], (normal, 1))`.
+    pub hemispheres: [[f32; 4]; 3],
 }
 
 /// A placement of a mesh, indexed by the instance index: `Instance` in `glsl/geometry.vert`, std430.
@@ -62,15 +64,15 @@ pub struct MaterialData {
     pub uv_rows: [[[f32; 4]; 2]; super::shader::KIND_COUNT],
 }
 
-/// A punctual light: `Light` in `glsl/light/punctual.glsl`, std430.
+/// A light with a place or a direction: `Light` in `glsl/light/punctual.glsl`, std430.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct LightData {
-    /// Metres; unused by directional lights.
+    /// Metres; of a box its centre; unused by directional lights.
     pub position_world: [f32; 3],
     /// 1 / metres; 0 reaches everywhere.
     pub inverse_range: f32,
-    /// Colour times candela, or times lux for directional lights.
+    /// Colour times candela, or times lux for directional and box lights.
     pub intensity: [f32; 3],
     /// `1 / max(0.001, cos(inner) - cos(outer))` of the cone's half angles (KHR_lights_punctual).
     pub spot_scale: f32,
@@ -78,6 +80,18 @@ pub struct LightData {
     pub direction_world: [f32; 3],
     /// `-cos(outer) * spot_scale`.
     pub spot_offset: f32,
+    /// The light's +Y, unit length; used by boxes.
+    pub up_world: [f32; 3],
+    /// Within each face of a box, metres.
+    pub falloff: f32,
+    /// Colour times lux on surfaces that face away from directional and box lights.
+    pub back_intensity: [f32; 3],
+    /// Unused.
+    pub padding_0: u32,
+    /// Half the extent of a box, metres.
+    pub half_size: [f32; 3],
+    /// Unused.
+    pub padding_1: u32,
 }
 
 /// How a view is cut into cells: `ClusterGrid` in `glsl/light/clusters.glsl`, std430. The cells' lists follow it

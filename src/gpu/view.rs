@@ -46,6 +46,7 @@ impl View<'_> {
             light_scale,
             ambient_nt: ambient_nt.extend(0.0).to_array(),
             light_counts: [0; 4],
+            hemispheres: [[0.0; 4]; 3],
         }
     }
 }

@@ -114,8 +114,17 @@ impl Frame {
         }
 
         let lights = || {
-            let Needs { directional_lights, point_lights, spot_lights, .. } = needs;
-            format!("{directional_lights} directional, {point_lights} point and {spot_lights} spot lights")
+            let Needs { directional_lights, point_lights, spot_lights, box_lights, .. } = needs;
+            let more = [
+                (*box_lights, "box"),
+                (needs.hemisphere_lights, "hemisphere (all at the cost of one)"),
+                (needs.back_colors, "with a back colour"),
+            ];
+            let more = more.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!(", {n} {what}"));
+            format!(
+                "{directional_lights} directional, {point_lights} point and {spot_lights} spot lights{}",
+                more.collect::<String>()
+            )
         };
         let lit = match (&needs.lit, path) {
             (Some(lit), Path::Deferred) => lit,

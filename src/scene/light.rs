@@ -177,18 +177,29 @@ impl Light {
         }
     }
 
-    /// Whether it adds nothing anywhere: no colour, no intensity, no range or no extent, or numbers that mean nothing
-    /// (negative or not finite). Such lights are left out of everything.
+    /// Whether it adds nothing anywhere: no colour, no intensity, no range, an extent of less than a micrometre, or
+    /// numbers that mean nothing (see [`Self::is_sound`]). Such lights are left out of everything.
     pub fn is_dark(&self) -> bool {
+        const LEAST_SIZE_M: f32 = 1e-6;
         let colors = if self.has_back() { self.color.max(self.back_color) } else { self.color };
-        let least = self.color.min(self.back_color).min_element();
-        let shines = (colors * self.intensity()).max_element() > 0.0 && least >= 0.0;
         let reaches = match self.kind {
             LightKind::Directional { .. } | LightKind::Hemisphere { .. } => true,
             LightKind::Point { .. } | LightKind::Spot { .. } => self.range_m.is_none_or(|range| range > 0.0),
-            LightKind::Box { size_m, falloff_m, .. } => size_m.min_element() > 0.0 && falloff_m >= 0.0,
+            LightKind::Box { size_m, .. } => size_m.min_element() >= LEAST_SIZE_M,
         };
-        !(shines && reaches && self.is_finite())
+        let shines = (colors * self.intensity()).max_element() > 0.0;
+        !(shines && reaches && self.is_sound())
+    }
+
+    /// Whether all numbers are finite, and colours, intensity, range, extent and falloff not negative.
+    pub fn is_sound(&self) -> bool {
+        let extent = match self.kind {
+            LightKind::Box { size_m, falloff_m, .. } => size_m.min_element().min(falloff_m),
+            _ => 0.0,
+        };
+        let colors = self.color.min(self.back_color).min_element();
+        let least = colors.min(self.intensity()).min(extent).min(self.range_m.unwrap_or(0.0));
+        least >= 0.0 && self.is_finite()
     }
 
     fn is_finite(&self) -> bool {

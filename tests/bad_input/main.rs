@@ -1,6 +1,7 @@
 //! Broken glTF files: a clear error for each kind, and never a panic.
 
 mod accessors;
+mod extras;
 mod files;
 #[path = "../common/gltf_build.rs"]
 #[allow(dead_code, reason = "each test file uses some of this")]

@@ -57,6 +57,8 @@ pub fn built() -> Vec<Scene> {
         every_feature(),
         orthographic(),
         lights_only(),
+        extents(),
+        hemisphere_only(),
         lit_textures(),
         emissive(),
         no_lights(),
@@ -115,6 +117,37 @@ pub fn lights_only() -> Scene {
     let floor = Mat4::from_rotation_x(-PI / 2.0) * Mat4::from_scale(Vec3::splat(3.0));
     add(&mut scene, square(), rough("floor", Vec3::splat(0.5)), &[floor]);
     scene.lights = lights();
+    scene
+}
+
+/// Boxes, hemispheres and back colours beside [`lights_only`]'s.
+pub fn extents() -> Scene {
+    let mut scene = Scene { name: "extents".into(), ..lights_only() };
+    let light = |kind, color, position_world, towards| {
+        Light { color, position_world, ..Light::new(kind) }.towards(towards)
+    };
+    let cube = |illuminance_lx, size_m, falloff_m| LightKind::Box { illuminance_lx, size_m, falloff_m };
+    scene.lights[0].back_color = Vec3::new(0.1, 0.2, 0.4);
+    let red = Vec3::new(1.0, 0.3, 0.2);
+    let soft = cube(2.0, Vec3::new(1.5, 1.0, 2.0), 0.4);
+    let soft = light(soft, red, Vec3::new(-1.0, 0.6, 0.2), Vec3::new(0.2, -1.0, 0.1));
+    scene.lights.push(Light { back_color: Vec3::new(0.0, 0.3, 0.0), ..soft });
+    let sharp = cube(1.0, Vec3::new(0.9, 4.0, 1.5), 0.0);
+    scene.lights.push(light(sharp, Vec3::ONE, Vec3::new(1.0, 0.5, 0.5), Vec3::new(1.0, -1.0, -0.3)));
+    let sky = LightKind::Hemisphere { illuminance_lx: 0.4 };
+    let sky = light(sky, Vec3::new(0.5, 0.7, 1.0), Vec3::ZERO, Vec3::NEG_Y);
+    scene.lights.push(Light { back_color: Vec3::new(0.4, 0.3, 0.2), ..sky });
+    scene
+}
+
+/// [`lights_only`] under nothing but a hemisphere: no light has a place in a buffer.
+pub fn hemisphere_only() -> Scene {
+    let mut scene = Scene { name: "hemisphere_only".into(), ..lights_only() };
+    let sky = Light {
+        color: Vec3::new(0.3, 0.6, 1.0),
+        ..Light::new(LightKind::Hemisphere { illuminance_lx: 2.0 })
+    };
+    scene.lights = vec![sky.towards(Vec3::new(0.3, -1.0, 0.0))];
     scene
 }
 

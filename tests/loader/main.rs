@@ -4,6 +4,7 @@ mod defaults;
 #[path = "../common/gltf_build.rs"]
 #[allow(dead_code, reason = "each test file uses some of this")]
 mod gltf_build;
+mod lights;
 mod materials;
 mod meshes;
 mod nodes;

@@ -1,12 +1,13 @@
 //! The `exact` layout's pictures against the reference's own, from visibility to tone curve.
 
+use ontile::glam::{Vec3, Vec3Swizzles};
 use ontile::plan::{Layout, Path, Tonemap};
 use ontile::reference::{Settings, render};
 use ontile::scene::{Camera, LightKind, Scene};
 
 use crate::error::Errors;
 use crate::gpu::{Ask, Gpu, Rendered};
-use crate::scenes;
+use crate::{light_scenes, scenes};
 
 /// Every path that takes its own turn at the light.
 const PATHS: [Path; 3] = [Path::Deferred, Path::Forward, Path::ForwardMultipass];
@@ -99,21 +100,69 @@ const FAULTS: &[Fault] = &[
     ("quantised", |_, settings| settings.layout = Some(Layout::Metallic128)),
 ];
 
+const EXTENT_FAULTS: &[Fault] = &[
+    ("back colours off by 2 %", |scene, _| {
+        for light in scene.lights.iter_mut().filter(|l| !matches!(l.kind, LightKind::Hemisphere { .. })) {
+            light.back_color *= 1.02;
+        }
+    }),
+    ("back light of a box ignored", |scene, _| scene.lights[3].back_color = Vec3::ZERO),
+    ("a hemisphere's ground off by 2 %", |scene, _| scene.lights[1].back_color *= 1.02),
+    ("a hemisphere upside down", |scene, _| scene.lights[2].direction_world = Vec3::X),
+    ("boxes off by 1 %", |scene, _| {
+        for light in &mut scene.lights {
+            if let LightKind::Box { size_m, .. } = &mut light.kind {
+                *size_m *= 1.01;
+            }
+        }
+    }),
+    ("a box's sides swapped", |scene, _| {
+        for light in &mut scene.lights {
+            if let LightKind::Box { size_m, .. } = &mut light.kind {
+                *size_m = size_m.yxz();
+            }
+        }
+    }),
+    ("falloff off by 2 %", |scene, _| {
+        for light in &mut scene.lights {
+            if let LightKind::Box { falloff_m, .. } = &mut light.kind {
+                *falloff_m *= 1.02;
+            }
+        }
+    }),
+    ("too much falloff not held to half the box", |scene, _| {
+        if let LightKind::Box { falloff_m, .. } = &mut scene.lights[4].kind {
+            *falloff_m = 0.6;
+        }
+    }),
+    ("roll ignored", |scene, _| {
+        scene.lights[3] = scene.lights[3].clone().towards(scene.lights[3].direction_world)
+    }),
+];
+
 #[test]
 fn every_fault_is_caught() {
+    catches(&scenes::lights(), FAULTS);
+}
+
+#[test]
+fn every_fault_of_extents_is_caught() {
+    catches(&light_scenes::extents(), EXTENT_FAULTS);
+}
+
+fn catches(scene: &Scene, faults: &[Fault]) {
     let Some(gpu) = Gpu::open() else { return };
-    let scene = scenes::lights();
     let camera = &scene.cameras[0];
-    let rendered = gpu.render(&scene, camera, Ask::EXACT);
-    assert_eq!(compare(&rendered, &scene, camera, &rendered.settings).check(), Ok(()));
-    for (name, fault) in FAULTS {
+    let rendered = gpu.render(scene, camera, Ask::EXACT);
+    assert_eq!(compare(&rendered, scene, camera, &rendered.settings).check(), Ok(()));
+    for (name, fault) in faults {
         let (mut faulty, mut settings) = (scene.clone(), rendered.settings.clone());
         fault(&mut faulty, &mut settings);
         let errors = compare(&rendered, &faulty, camera, &settings);
         println!("{name}: {errors}");
         assert!(errors.check().is_err(), "{name}: not caught, {errors}");
     }
-    let other = compare(&rendered, &scene, &scene.cameras[1], &rendered.settings);
+    let other = compare(&rendered, scene, &scene.cameras[1], &rendered.settings);
     assert!(other.check().is_err(), "another camera: not caught, {other}");
     gpu.finish();
 }

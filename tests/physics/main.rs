@@ -10,6 +10,7 @@ mod files;
 mod finite;
 mod gbuffer;
 mod gpu;
+mod light_scenes;
 mod quantised;
 mod scenes;
 mod textured;

@@ -2,13 +2,24 @@
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::light_scenes;
 use ontile::glam::camera::rh::view::look_at_mat4;
 use ontile::glam::{EulerRot, Mat4, Quat, Vec3, Vec4};
 use ontile::scene::{AlphaMode, Camera, Instance, Light, LightKind, Material, Mesh, Projection, Scene};
 
 /// Every scene, with at least one camera each.
 pub fn all() -> Vec<Scene> {
-    vec![lights(), materials(), placements(), surfaces(), grazing(), orthographic_along_light()]
+    vec![
+        lights(),
+        materials(),
+        placements(),
+        surfaces(),
+        grazing(),
+        orthographic_along_light(),
+        light_scenes::extents(),
+        light_scenes::degenerate(),
+        light_scenes::inside_a_box(),
+    ]
 }
 
 /// The same scene in a world that is turned as a whole: the picture stays, but no normal lies along an axis any more.
@@ -34,7 +45,7 @@ fn camera(name: &str, eye: Vec3, target: Vec3, projection: Projection) -> Camera
 }
 
 /// Finite, infinite and parallel from about the same place.
-fn cameras(eye: Vec3, target: Vec3) -> Vec<Camera> {
+pub fn cameras(eye: Vec3, target: Vec3) -> Vec<Camera> {
     let perspective = |zfar_m| Projection::Perspective { yfov_rad: 0.7, znear_m: 0.1, zfar_m };
     let half = 0.36 * (target - eye).length();
     let orthographic = Projection::Orthographic { xmag_m: half, ymag_m: half, znear_m: 0.1, zfar_m: 40.0 };
@@ -45,13 +56,19 @@ fn cameras(eye: Vec3, target: Vec3) -> Vec<Camera> {
     ]
 }
 
-fn light(kind: LightKind, color: Vec3, position_world: Vec3, target: Vec3, range_m: Option<f32>) -> Light {
+pub fn light(
+    kind: LightKind,
+    color: Vec3,
+    position_world: Vec3,
+    target: Vec3,
+    range_m: Option<f32>,
+) -> Light {
     let light = Light { name: "light".into(), color, position_world, range_m, ..Light::new(kind) };
     light.towards(target - position_world)
 }
 
 /// Base colours of 0.5 are avoided: that is the sRGB code 187.52, nearly a tie.
-fn material(base: Vec3, metallic: f32, roughness: f32) -> Material {
+pub fn material(base: Vec3, metallic: f32, roughness: f32) -> Material {
     Material {
         base_color_factor: base.extend(1.0),
         metallic_factor: metallic,
@@ -61,7 +78,7 @@ fn material(base: Vec3, metallic: f32, roughness: f32) -> Material {
 }
 
 /// A unit sphere with smooth normals, fine enough that its outline is round at the size of the pictures.
-fn sphere() -> Mesh {
+pub fn sphere() -> Mesh {
     const RINGS: u32 = 48;
     const SECTORS: u32 = 96;
     let mut mesh = Mesh { name: "sphere".into(), ..Mesh::default() };
@@ -82,7 +99,7 @@ fn sphere() -> Mesh {
 }
 
 /// A square of half extent 1 in the plane y = 0 that faces +Y, in a few pieces: drivers warn of tiny draws.
-fn floor() -> Mesh {
+pub fn floor() -> Mesh {
     const CELLS: u32 = 4;
     let mut mesh = Mesh { name: "floor".into(), ..Mesh::default() };
     for row in 0..=CELLS {
@@ -101,19 +118,19 @@ fn floor() -> Mesh {
 }
 
 /// The floor's square, standing: it faces +Z.
-fn wall(at: Vec3, half: f32) -> Mat4 {
+pub fn wall(at: Vec3, half: f32) -> Mat4 {
     Mat4::from_translation(at) * Mat4::from_rotation_x(FRAC_PI_2) * Mat4::from_scale(Vec3::splat(half))
 }
 
 /// A scene with one instance of each mesh.
-struct Builder(Scene);
+pub struct Builder(pub Scene);
 
 impl Builder {
-    fn new(name: &str, cameras: Vec<Camera>, lights: Vec<Light>) -> Self {
+    pub fn new(name: &str, cameras: Vec<Camera>, lights: Vec<Light>) -> Self {
         Self(Scene { name: name.into(), cameras, lights, ..Scene::default() })
     }
 
-    fn add(mut self, mesh: Mesh, material: Material, world_from_object: Mat4) -> Self {
+    pub fn add(mut self, mesh: Mesh, material: Material, world_from_object: Mat4) -> Self {
         let scene = &mut self.0;
         scene.instances.push(Instance::new(scene.meshes.len(), world_from_object));
         scene.meshes.push(Mesh { material: scene.materials.len(), ..mesh });
@@ -122,11 +139,11 @@ impl Builder {
     }
 }
 
-fn on_floor(x: f32, z: f32, radius: f32) -> Mat4 {
+pub fn on_floor(x: f32, z: f32, radius: f32) -> Mat4 {
     Mat4::from_translation(Vec3::new(x, radius, z)) * Mat4::from_scale(Vec3::splat(radius))
 }
 
-fn big_floor() -> Mat4 {
+pub fn big_floor() -> Mat4 {
     Mat4::from_scale(Vec3::new(6.0, 1.0, 6.0))
 }
 

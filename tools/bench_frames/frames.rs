@@ -57,7 +57,7 @@ pub fn measure(
             .map(|&(layout, fold)| {
                 let host = |strategy| {
                     let options = Options { size, strategy, layout, fold, ..Options::default() };
-                    Host::new(device, &scene, &options)
+                    Host::new(device, &scene, &options, true)
                 };
                 Ok([host(Strategy::Subpasses)?, host(Strategy::Separate)?])
             })

@@ -24,16 +24,19 @@ pub struct FrameTimes {
     pub gpu_ms: Option<f64>,
     /// Of each stage, by timestamps.
     pub stages_ms: Vec<f64>,
+    /// Recording, by the CPU.
+    pub record_ms: f64,
     /// Submission and waiting.
     pub wall_ms: f64,
 }
 
 impl Host {
-    pub fn new(device: &Device, scene: &Scene, options: &Options) -> Result<Self> {
+    /// `stage_timestamps` as in [`RendererConfig`].
+    pub fn new(device: &Device, scene: &Scene, options: &Options, stage_timestamps: bool) -> Result<Self> {
         let plan = Plan::new(Needs::of(scene), options.clone(), &device.caps().limits())?;
         // Empty: every variant compiles its own pipelines.
         let cache = PipelineCache::new(device, &[])?;
-        let config = RendererConfig { frames_in_flight: 1, stage_timestamps: true, ..Default::default() };
+        let config = RendererConfig { frames_in_flight: 1, stage_timestamps, ..Default::default() };
         let mut host = Self::with_renderer(device, Renderer::new(device, scene, plan, config, &cache)?)?;
         host.upload()?;
         Ok(host)
@@ -80,7 +83,7 @@ impl Host {
 
     /// Records and runs a frame.
     pub fn frame(&mut self, view: &View<'_>) -> Result<FrameTimes> {
-        self.record(view)?;
+        let (record_ms, _) = self.record(view)?;
         let start = Instant::now();
         self.commands.submit()?;
         self.commands.wait()?;
@@ -90,6 +93,7 @@ impl Host {
         Ok(FrameTimes {
             gpu_ms: stamps_ms.last().copied(),
             stages_ms: stamps_ms.windows(2).map(|pair| pair[1] - pair[0]).collect(),
+            record_ms,
             wall_ms,
         })
     }

@@ -1,6 +1,7 @@
 //! Measures what this machine does: frame times of both strategies, the cost of recording, loading and memory.
 //! Run by `tools/bench`. Nothing here passes or fails; times of other runs, machines and loads do not compare.
 
+mod compare;
 mod frames;
 mod host;
 mod loading;
@@ -8,18 +9,25 @@ mod recording;
 mod scenes;
 mod stats;
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+// What makes the scenes that are compared.
+#[path = "../make_scenes/main.rs"]
+#[allow(dead_code, reason = "its main function and the scenes that are not compared")]
+pub mod make_scenes;
 
-use clap::Parser;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
 use ontile::gpu::{Headless, HeadlessOptions};
 use ontile::{Error, Result, file};
 use serde::Serialize;
 
 /// Measure frame times, recording, loading and memory.
 #[derive(Parser, Debug)]
-#[command(name = "bench")]
-struct Args {
+#[command(name = "bench", args_conflicts_with_subcommands = true)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Option<Command>,
     /// Width and height of the frames, in pixels [default: 1280x720]
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
@@ -43,6 +51,12 @@ struct Args {
     load_once: bool,
 }
 
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Compare deferred with forward, and the ways of lights with each other; writes numbers, charts and a page
+    Compare(compare::Compare),
+}
+
 #[derive(Serialize)]
 struct Results {
     device: String,
@@ -63,7 +77,14 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(args: &Args) -> Result<()> {
+/// Does what the command line asks for.
+///
+/// # Errors
+/// As the parts.
+pub fn run(args: &Args) -> Result<()> {
+    if let Some(Command::Compare(compare)) = &args.command {
+        return compare::run(compare);
+    }
     let size = args.size.unwrap_or(if args.quick { [640, 360] } else { [1280, 720] });
     let frames = args.frames.unwrap_or(if args.quick { 5 } else { 15 }) as usize;
     let json_error = |e: serde_json::Error| Error::io(Path::new("results"), "write", e.into());
@@ -100,7 +121,7 @@ fn run(args: &Args) -> Result<()> {
 fn measure_loading(args: &Args, scene: &Path, size: [u32; 2], runs: usize) -> Result<loading::Loading> {
     let program = std::env::current_exe().map_err(|e| Error::io(Path::new("bench"), "run", e))?;
     loading::measure(scene, runs, || {
-        let mut child = Command::new(&program);
+        let mut child = std::process::Command::new(&program);
         let [width, height] = size;
         child.arg("--load-once").arg("--load").arg(scene);
         child.args(["--device", &args.device, "--size", &format!("{width}x{height}")]);

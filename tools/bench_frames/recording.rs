@@ -32,7 +32,7 @@ pub fn measure(device: &Device) -> Result<Vec<Recording>> {
 fn measure_scene(device: &Device, distinct_meshes: bool) -> Result<Recording> {
     let scene = scenes::floor(OBJECTS, 1, distinct_meshes);
     let view = View { camera: &scene.cameras[0], exposure_ev: 0.0 };
-    let mut host = Host::new(device, &scene, &Options { size: [64, 64], ..Options::default() })?;
+    let mut host = Host::new(device, &scene, &Options { size: [64, 64], ..Options::default() }, true)?;
     host.record(&view)?;
     let frames = (0..FRAMES).map(|_| host.record(&view)).collect::<Result<Vec<_>>>()?;
     let recorded = host.renderer.recorded();

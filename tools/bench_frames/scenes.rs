@@ -6,7 +6,7 @@ use glam::{Mat4, Vec3, vec3};
 use ontile::glam;
 use ontile::scene::{Camera, Instance, Light, LightKind, Material, Mesh, Projection, Scene};
 
-const FLOOR_M: f32 = 24.0;
+pub const FLOOR_M: f32 = 24.0;
 const LIGHT_RANGE_M: f32 = 4.0;
 /// Rings and segments of a sphere: 24 * 48 * 2 triangles.
 const RINGS: u32 = 24;
@@ -40,19 +40,19 @@ pub fn floor(objects: usize, lights: usize, distinct: bool) -> Scene {
 }
 
 /// The centres of at least `count` equal cells of the floor, the first `count` of them.
-fn grid(count: usize) -> impl Iterator<Item = [f32; 2]> {
+pub fn grid(count: usize) -> impl Iterator<Item = [f32; 2]> {
     let side = (count as f32).sqrt().ceil() as usize;
     let center = move |cell: usize| ((cell as f32 + 0.5) / side as f32 - 0.5) * (FLOOR_M - 2.0);
     (0..count).map(move |i| [center(i % side), center(i / side)])
 }
 
-fn add(scene: &mut Scene, mesh: Mesh, at: Vec3) {
+pub fn add(scene: &mut Scene, mesh: Mesh, at: Vec3) {
     scene.instances.push(Instance::new(scene.meshes.len(), Mat4::from_translation(at)));
     scene.meshes.push(mesh);
 }
 
 /// Of a golden-ratio sequence, so that neighbours differ.
-fn hue(i: usize) -> Vec3 {
+pub fn hue(i: usize) -> Vec3 {
     let turn = i as f32 * 0.618_034;
     Vec3::from([0.0, 1.0 / 3.0, 2.0 / 3.0].map(|phase| 0.55 + 0.45 * ((turn + phase) * 2.0 * PI).cos()))
 }

@@ -16,7 +16,9 @@ const NOISE_SIZE_PX: u32 = 512;
 
 /// What the scene has.
 pub struct Options {
+    /// Point lights.
     pub lights: usize,
+    /// Spheres and boxes.
     pub objects: usize,
     /// Where each light ends.
     pub range_m: f32,

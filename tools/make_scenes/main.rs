@@ -3,8 +3,8 @@
 //! `make_scenes [NAME...] [-o DIRECTORY] [--check]` and `make_scenes bench --lights N --objects M -o FILE`;
 //! `--help` tells more.
 
-mod bench;
-mod canyon;
+pub mod bench;
+pub mod canyon;
 mod courtyard;
 mod glb;
 mod grid;

@@ -13,6 +13,9 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         has_directional: plan.needs.directional_lights > 0,
         has_point: plan.needs.point_lights > 0,
         has_spot: plan.needs.spot_lights > 0,
+        has_box: plan.needs.box_lights > 0,
+        has_hemisphere: plan.needs.hemisphere_lights > 0,
+        has_back: plan.needs.back_colors > 0,
         fold: plan.folded.then_some(output),
     };
     let clusters = plan.clusters.is_some();

@@ -107,6 +107,12 @@ pub struct LightingConstants {
     pub has_point: bool,
     /// The scene has spot lights.
     pub has_spot: bool,
+    /// The scene has box lights.
+    pub has_box: bool,
+    /// The scene has hemisphere lights.
+    pub has_hemisphere: bool,
+    /// Some directional or box light has a back colour.
+    pub has_back: bool,
     /// Lighting writes the output itself, like this; `None` adds to the light target.
     pub fold: Option<OutputConstants>,
 }
@@ -118,6 +124,9 @@ impl LightingConstants {
             (const { shared("ID_HAS_DIRECTIONAL") }, self.has_directional.into()),
             (const { shared("ID_HAS_POINT") }, self.has_point.into()),
             (const { shared("ID_HAS_SPOT") }, self.has_spot.into()),
+            (const { shared("ID_HAS_BOX") }, self.has_box.into()),
+            (const { shared("ID_HAS_HEMISPHERE") }, self.has_hemisphere.into()),
+            (const { shared("ID_HAS_BACK") }, self.has_back.into()),
             (const { shared("ID_FOLD") }, self.fold.is_some().into()),
         ]);
         match self.fold {

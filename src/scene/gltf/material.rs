@@ -174,28 +174,38 @@ impl Materials {
             self.warnings.push(format!("{element}: TEXCOORD_{texcoord} is not supported; texture left out"));
             return Ok(None);
         }
-        let found = doc.get(&doc.root.textures, "textures", texture, format!("{element}.index"))?;
+        let image = self.use_image(doc, texture, &format!("{element}.index"))?;
         let name = format!("textures[{}]", texture.value());
-        // The JSON library's way to say that there is no source.
-        if found.source.value() == u32::MAX as usize {
-            let remedy = "give it a PNG or JPEG image as its source";
-            return Err(doc.bad(format!("{name}.source"), "is missing", remedy));
-        }
-        doc.get(&doc.root.images, "images", found.source, format!("{name}.source"))?;
-        let sampler = match found.sampler {
+        let sampler = match doc.root.textures[texture.value()].sampler {
             Some(index) => {
                 let json = doc.get(&doc.root.samplers, "samplers", index, format!("{name}.sampler"))?;
                 read_sampler(doc, json, index.value())?
             }
             None => Sampler::default(),
         };
-        let image = index_of(&mut self.images, &mut self.image_indices, found.source.value());
         let texture = index_of(&mut self.textures, &mut self.texture_indices, Texture { image, sampler });
         let uv_from_texcoord = match transform {
             Some(transform) => uv_rows(doc, transform, &element)?,
             None => TextureRef::IDENTITY,
         };
         Ok(Some(TextureRef { texture, texcoord, uv_from_texcoord }))
+    }
+
+    /// The scene's image for a glTF texture; `element` is the path of the reference.
+    pub fn use_image(
+        &mut self,
+        doc: &Document,
+        texture: Index<json::Texture>,
+        element: &str,
+    ) -> Result<usize> {
+        let found = doc.get(&doc.root.textures, "textures", texture, element)?;
+        let source = format!("textures[{}].source", texture.value());
+        // The JSON library's way to say that there is no source.
+        if found.source.value() == u32::MAX as usize {
+            return Err(doc.bad(source, "is missing", "give it a PNG or JPEG image as its source"));
+        }
+        doc.get(&doc.root.images, "images", found.source, source)?;
+        Ok(index_of(&mut self.images, &mut self.image_indices, found.source.value()))
     }
 }
 

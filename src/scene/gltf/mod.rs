@@ -1,13 +1,15 @@
 //! glTF 2.0 files into a [`Scene`](super::Scene).
 //!
 //! Data flows one way: `source` gives bytes, `document` parsed JSON and checked byte ranges, `accessor` typed
-//! lists, and `node`, `material`, `mesh` and `image` what the scene holds. Nothing in a file is trusted: every
+//! lists, and `node`, `light`, `material`, `mesh` and `image` what the scene holds. Nothing in a file is trusted: every
 //! index, range and number is checked before it is used.
 
 mod accessor;
 mod defaults;
 mod document;
+mod extras;
 mod image;
+mod light;
 mod material;
 mod mesh;
 mod node;
@@ -54,6 +56,7 @@ impl Scene {
 
         let mut materials = Materials::default();
         read_meshes(&doc, &tree, &mut scene, &mut materials)?;
+        scene.lights = light::read_lights(&doc, &tree, &mut materials)?;
         scene.images = image::decode_all(&doc, &materials.images)?;
         scene.materials = materials.materials;
         scene.textures = materials.textures;
@@ -77,7 +80,6 @@ impl Scene {
         if scene.cameras.is_empty() {
             scene.cameras.push(defaults::camera(bounds));
         }
-        scene.lights = node::read_lights(&doc, &tree)?;
         let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
         if scene.lights.is_empty() && is_lit {
             scene.lights = defaults::lights(&scene.cameras[0]);

@@ -1,14 +1,12 @@
-//! The node tree, and what hangs from it besides meshes: cameras and lights.
+//! The node tree, and the cameras that hang from it.
 
 use glam::{DMat3, DMat4, DQuat, DVec3, DVec4, Mat4, Vec3};
 use gltf::json;
 use gltf::json::camera::Type as CameraType;
-use gltf::json::extensions::scene::khr_lights_punctual as punctual;
 
 use super::document::Document;
 use crate::Result;
-use crate::scene::light::up_of;
-use crate::scene::{Camera, Light, LightKind, Projection, Shadow};
+use crate::scene::{Camera, Projection};
 
 const REPAIR_TREE: &str = "give each node one parent at most, and list only nodes without a parent in scenes";
 
@@ -200,87 +198,6 @@ fn projection(doc: &Document, camera: &json::Camera, index: usize) -> Result<Pro
                 znear_m: check(o.znear, "orthographic.znear", "at least 0", o.znear >= 0.0)?,
                 zfar_m: check(o.zfar, "orthographic.zfar", "above znear", o.zfar > o.znear)?,
             }
-        }
-    })
-}
-
-/// The lights of the drawn nodes.
-pub fn read_lights(doc: &Document, tree: &NodeTree) -> Result<Vec<Light>> {
-    let defined = doc.root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
-    let defined = defined.map_or(&[][..], |e| &e.lights);
-    let mut lights = Vec::new();
-    for &i in &tree.drawn {
-        let node = &doc.root.nodes[i];
-        let Some(used) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) else {
-            continue;
-        };
-        let index = used.light;
-        let list = "extensions.KHR_lights_punctual.lights";
-        let light =
-            doc.get(defined, list, index, format!("nodes[{i}].extensions.KHR_lights_punctual.light"))?;
-        let kind = light_kind(doc, light, index.value())?;
-        let world = &tree.world_from_node[i];
-        let direction = -world.z_axis.truncate();
-        let direction = match (direction.try_normalize(), kind) {
-            (Some(direction), _) => direction,
-            (None, LightKind::Point { .. }) => DVec3::NEG_Z,
-            (None, _) => {
-                let problem = "has a light, but its scale of 0 leaves no direction to shine in";
-                let remedy = "give the node a scale other than 0";
-                return Err(doc.bad(format!("nodes[{i}]"), problem, remedy));
-            }
-        };
-        let name = light.name.clone().or_else(|| node.name.clone());
-        lights.push(Light {
-            name: name.unwrap_or_else(|| format!("light {}", index.value())),
-            color: Vec3::from_array(light.color),
-            position_world: world.w_axis.truncate().as_vec3(),
-            direction_world: direction.as_vec3(),
-            up_world: up_of(direction, world.y_axis.truncate()).as_vec3(),
-            range_m: light.range.filter(|_| !matches!(kind, LightKind::Directional { .. })),
-            shadow: Some(Shadow::default()),
-            ..Light::new(kind)
-        });
-    }
-    Ok(lights)
-}
-
-/// The kind, with all values of the light checked.
-fn light_kind(doc: &Document, light: &punctual::Light, index: usize) -> Result<LightKind> {
-    let check = |holds: bool, field: &str, problem: String| match holds {
-        true => Ok(()),
-        false => Err(doc.bad(
-            format!("extensions.KHR_lights_punctual.lights[{index}].{field}"),
-            problem,
-            "correct the light",
-        )),
-    };
-    let fine = |v: f32| v.is_finite() && v >= 0.0;
-    let intensity = light.intensity;
-    check(
-        light.color.iter().all(|&c| fine(c)),
-        "color",
-        format!("{:?} must be finite and not negative", light.color),
-    )?;
-    check(fine(intensity), "intensity", format!("is {intensity}, but must be finite and not negative"))?;
-    if let Some(range) = light.range {
-        check(fine(range) && range > 0.0, "range", format!("is {range}, but must be finite and above 0"))?;
-    }
-    let type_ = doc.valid(light.type_, format!("extensions.KHR_lights_punctual.lights[{index}].type"))?;
-    Ok(match type_ {
-        punctual::Type::Directional => LightKind::Directional { illuminance_lx: intensity },
-        punctual::Type::Point => LightKind::Point { intensity_cd: intensity },
-        punctual::Type::Spot => {
-            let spot = light.spot.as_ref();
-            check(spot.is_some(), "spot", "is missing".into())?;
-            let (inner, outer) =
-                spot.map_or((0.0, std::f32::consts::FRAC_PI_4), |s| (s.inner_cone_angle, s.outer_cone_angle));
-            check(
-                0.0 <= inner && inner < outer && outer <= std::f32::consts::FRAC_PI_2,
-                "spot",
-                format!("its cones are {inner} and {outer}, but 0 <= inner < outer <= pi / 2 must hold"),
-            )?;
-            LightKind::Spot { intensity_cd: intensity, inner_cone_rad: inner, outer_cone_rad: outer }
         }
     })
 }

@@ -1,12 +1,7 @@
 //! The scenes in `assets/` and the program that makes them.
 
-// The program's own unit tests run here too.
-#[path = "../tools/make_scenes/main.rs"]
-#[allow(dead_code, reason = "its main function")]
-mod make_scenes;
-
+use super::bench::make_scenes::{Arguments, Shipped, check, run};
 use clap::{Parser, ValueEnum};
-use make_scenes::{Arguments, Shipped, check, run};
 use ontile::scene::{LightKind, Projection, Scene};
 use std::fs;
 use std::path::{Path, PathBuf};
