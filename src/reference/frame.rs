@@ -159,7 +159,7 @@ pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffe
 
 /// Adds the lights' reflection to `prelit` and applies the curve.
 fn finish(scene: &Scene, view: &View, settings: &Settings, attributes: Attributes, prelit: DVec3) -> Pixel {
-    let reflected = reflected(&attributes, view.to_viewer(attributes.position_world), &scene.lights);
+    let reflected = reflected(&attributes, view.to_viewer(attributes.position_world), scene);
     let linear = match settings.light_layout() {
         Some(layout) => {
             let factor = settings.exposure() * settings.light_scale;

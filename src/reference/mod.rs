@@ -23,6 +23,7 @@ mod bvh;
 pub mod environment;
 pub mod frame;
 pub mod gbuffer;
+pub mod globe;
 pub mod punctual;
 pub mod quantise;
 pub mod shade;

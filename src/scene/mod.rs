@@ -6,6 +6,7 @@
 mod budget;
 mod camera;
 mod environment;
+mod globe_layers;
 mod gltf;
 mod light;
 mod material;
@@ -14,6 +15,7 @@ mod mipmaps;
 
 pub use camera::{Camera, Projection};
 pub use environment::Environment;
+pub use globe_layers::GlobeLayers;
 pub use light::{GlobeMap, GlobePicture, Light, LightKind, Shadow};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
