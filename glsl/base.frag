@@ -1,5 +1,6 @@
 #version 450
-// Writes the light that leaves a surface without light sources to the light target; they are added one by one (light.frag).
+// Writes the light that leaves a surface without the listed lights to the light target; they are added one by one
+// (light.frag).
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
@@ -7,9 +8,15 @@
 #include "gbuffer/surface.glsl"
 #include "brdf.glsl"
 #include "fragment.glsl"
+#include "light/direct.glsl"
 
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
 void main() {
-    target_output = vec4(indirect_light(surface_at_fragment()) * (frame.exposure * frame.light_scale), 1.0);
+    Fragment fragment = surface_at_fragment();
+    vec3 light = indirect_light(fragment);
+    if (fragment.surface.lit) {
+        light += unlisted_light(fragment.surface);
+    }
+    target_output = vec4(light * (frame.exposure * frame.light_scale), 1.0);
 }

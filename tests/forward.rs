@@ -176,7 +176,7 @@ fn forward_holds_the_output_and_nothing_else() {
 #[test]
 fn multipass_adds_lights_on_the_tile() {
     for scene in
-        scenes::built().into_iter().filter(|s| Needs::of(s).lights() > 0 && Needs::of(s).lit.is_some())
+        scenes::built().into_iter().filter(|s| Needs::of(s).listed_lights() > 0 && Needs::of(s).lit.is_some())
     {
         let plan = Plan::new(Needs::of(&scene), options(Path::ForwardMultipass), &Limits::default()).unwrap();
         assert_eq!((plan.passes.len(), plan.stage_count()), (1, 3), "{}", scene.name);

@@ -324,9 +324,9 @@ fn specialization(module: Module) -> Specialization {
     let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false };
     match module {
         Module::GeometryVertex { .. } | Module::Fullscreen => Specialization::default(),
-        Module::GeometryFragment { .. } | Module::Base { .. } | Module::Mask { .. } => geometry,
+        Module::GeometryFragment { .. } | Module::Mask { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
-        Module::Forward { .. } | Module::Light { .. } => {
+        Module::Forward { .. } | Module::Base { .. } | Module::Light { .. } => {
             geometry.and(LightingConstants { fold: Some(output), ..Default::default() }.specialization())
         }
         Module::Lighting { .. } => {

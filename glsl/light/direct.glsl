@@ -74,12 +74,14 @@ uint local_light(uint number) {
 #endif
 }
 
+// What a surface reflects of the lights that the list does not have, since they come from everywhere at once: cd/m^2.
+vec3 unlisted_light(Surface surface) {
+    return HAS_HEMISPHERE ? reflected_diffuse(surface, light_hemispheres(surface.normal_world)) : vec3(0.0);
+}
+
 // What a surface at `position` reflects of all lights towards `v`, both world space: cd/m^2.
 vec3 direct_light(Surface surface, vec3 position, vec3 v) {
-    vec3 sum = vec3(0.0);
-    if (HAS_HEMISPHERE) {
-        sum += reflected_diffuse(surface, light_hemispheres(surface.normal_world));
-    }
+    vec3 sum = unlisted_light(surface);
     if (HAS_DIRECTIONAL) {
         for (uint i = 0u; i < frame.light_counts.x; ++i) {
             sum += light_reflected(i, surface, position, v);

@@ -186,9 +186,9 @@ impl Needs {
         self.point_lights + self.spot_lights + self.box_lights
     }
 
-    /// Lights that are not dark.
-    pub fn lights(&self) -> usize {
-        self.directional_lights + self.hemisphere_lights + self.local_lights()
+    /// Lights that are not dark and that shaders go through one by one: all but hemispheres.
+    pub fn listed_lights(&self) -> usize {
+        self.directional_lights + self.local_lights()
     }
 
     /// Reads them off a scene.

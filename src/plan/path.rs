@@ -8,7 +8,7 @@ use crate::{Error, Result};
 /// # Errors
 /// [`Error::Unsupported`] if a G-buffer is to be kept on a path that has none.
 pub(super) fn resolve(needs: &Needs, options: &Options) -> Result<(Path, Option<String>)> {
-    let no_lights = needs.lights() == 0;
+    let no_lights = needs.listed_lights() == 0;
     let (path, why) = match options.path {
         Path::Auto => (Path::Deferred, None),
         Path::ForwardMultipass if needs.lit.is_some() && no_lights => {

@@ -39,7 +39,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 let light_target = plan.has_light_target();
                 (vertex, Module::GeometryFragment { layout, light_target, textured }, constants)
             } else if plan.has_light_target() {
-                (vertex, Module::Base { textured }, constants)
+                (vertex, Module::Base { textured }, constants.and(lighting.specialization()))
             } else if kind.unlit {
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
