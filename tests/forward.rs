@@ -133,9 +133,9 @@ fn illumination_sets_save_draws_and_no_pixel_changes() {
         assert_eq!(difference(&with, &without), None);
         assert_eq!(beyond_rounding(&deferred, &with), None);
         // 7 materials make 7 draws, of which 6 are lit, and tonemap makes one; without sets each light adds those 6.
-        assert_eq!(all.draws, 7 + 6 * all.lights + 1, "{all:?}");
-        println!("{} draws with illumination sets, {} without", few.draws, all.draws);
-        assert!(few.draws * 2 < all.draws, "{few:?} of {all:?}");
+        assert_eq!(all.counts.draws, 7 + 6 * all.counts.lights.visible + 1, "{all:?}");
+        println!("{} draws with illumination sets, {} without", few.counts.draws, all.counts.draws);
+        assert!(few.counts.draws * 2 < all.counts.draws, "{few:?} of {all:?}");
     });
 }
 

@@ -57,6 +57,8 @@ fn printed() -> Vec<(String, String)> {
             "every_feature_multipass".into(),
             plan(&features, Options { path: Path::ForwardMultipass, ..default() }),
         ),
+        ("environment".into(), plan(&scenes::environment(), default())),
+        ("environment_forward".into(), plan(&scenes::environment_alone(), forward())),
         ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
         ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),
     ];

@@ -14,7 +14,7 @@ use super::target::check_formats;
 use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
-use crate::plan::{Needs, Plan, State};
+use crate::plan::{FrameCounts, Needs, Plan, State};
 use crate::scene::{Light, Scene};
 use crate::{Error, Result};
 use record::Frame;
@@ -66,17 +66,11 @@ pub struct Renderer {
     recorded: Recorded,
 }
 
-/// What recording a frame put into the command buffer.
+/// What recording a frame did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Recorded {
-    /// Draw calls, full-screen ones included.
-    pub draws: usize,
-    /// Bindings of pipelines, descriptor sets, vertex and index buffers.
-    pub state_changes: usize,
-    /// Instances drawn; the others that have triangles were culled.
-    pub objects: usize,
-    /// Lights that reach something in view; the others that are not dark were culled.
-    pub lights: usize,
+    /// What it put into the command buffer.
+    pub counts: FrameCounts,
     /// CPU time of listing the lights of each part of the view; 0 where the plan has no light lists.
     pub light_lists: std::time::Duration,
 }
@@ -239,14 +233,9 @@ impl Renderer {
         assert!(target.is_of(&self.passes), "the target was created by another renderer");
         let vk::Extent2D { width, height } = target.extent();
         let seen = self.scene.write_frame(slot, view, &self.plan, [width, height], self.config.cull);
-        let recorded = Recorded {
-            objects: seen.objects,
-            lights: seen.lights,
-            light_lists: seen.light_lists,
-            ..Recorded::default()
-        };
-        let mut frame = Frame { renderer: self, recorder, slot, target, output, recorded };
+        let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };
+        let mut frame = Frame { renderer: self, recorder, slot, target, output, counts };
         frame.record();
-        self.recorded = frame.recorded;
+        self.recorded = Recorded { counts: frame.counts, light_lists: seen.light_lists };
     }
 }

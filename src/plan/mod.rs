@@ -8,7 +8,9 @@
 //! why it is there.
 
 mod access;
+mod around;
 mod budget;
+mod counts;
 mod derive;
 mod format;
 mod layout;
@@ -23,7 +25,9 @@ mod stage;
 mod tests;
 
 pub use access::{Access, Scope, State};
+pub use around::{Around, AroundImage, EnvironmentNeed};
 pub use budget::{Verdict, verdicts};
+pub use counts::{FrameCounts, Seen, StateChanges};
 pub use format::Format;
 pub use layout::{LayoutTable, Target};
 pub use ledger::{
@@ -37,6 +41,8 @@ pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Stra
 use std::collections::BTreeSet;
 
 use serde::Serialize;
+
+use crate::environment::TexelFormat;
 
 /// What a device allows, as far as a plan depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -232,6 +238,8 @@ pub struct Plan {
     pub passes: Vec<Pass>,
     /// Pipelines with the stage they belong to.
     pub pipelines: Vec<(usize, Pipeline)>,
+    /// What surfaces sample to receive light from all around.
+    pub around: Vec<AroundImage>,
     /// The path taken: never [`Path::Auto`]. Without lit surfaces they are all the same.
     pub path: Path,
     /// Whether the stage that lights applies the tone curve itself, so that there is no light target.
@@ -262,17 +270,35 @@ impl Plan {
         check_counts(&passes, &options, limits)?;
         let pipelines = pipelines(&frame, &needs);
         let (light_way, clusters, why) = lights::resolve(&needs, &options, path);
+        let around = around::images(&needs, &options);
         let folded = frame.folded;
         let mut notes = notes(&needs, &options, path, &attachments, folded);
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
-        Ok(Self { options, needs, attachments, passes, pipelines, path, folded, light_way, clusters, notes })
+        Ok(Self {
+            options,
+            needs,
+            attachments,
+            passes,
+            pipelines,
+            around,
+            path,
+            folded,
+            light_way,
+            clusters,
+            notes,
+        })
     }
 
     /// Whether surfaces are lit after all are known, from a G-buffer.
     pub fn has_gbuffer(&self) -> bool {
         self.needs.lit.is_some() && self.path == Path::Deferred
+    }
+
+    /// How the environment's radiance is stored, and the edge of its largest level in texels.
+    pub fn environment_texels(&self) -> Option<(TexelFormat, u32)> {
+        self.needs.environment.as_ref().map(|need| around::environment_texels(need, &self.options))
     }
 
     /// Whether a light target exists.

@@ -3,11 +3,15 @@
 mod clusters;
 mod frustum;
 mod illumination;
+mod order;
 mod reach;
+mod sight;
 
 #[cfg(test)]
 mod tests;
 
 pub use clusters::{Clusters, Grid};
 pub use frustum::Frustum;
+pub use order::{Distances, DrawOrder, sort_key, sorted_index};
 pub use reach::Reach;
+pub use sight::Sight;

@@ -8,8 +8,8 @@ use super::super::objects::Batch;
 use super::super::scene_data::BoundMesh;
 use super::super::shared::LightPush;
 use super::super::{Recorder, Target};
-use super::{Recorded, Renderer};
-use crate::plan::Pipeline;
+use super::Renderer;
+use crate::plan::{FrameCounts, Pipeline};
 
 /// One frame while it is recorded.
 pub(super) struct Frame<'a> {
@@ -18,7 +18,7 @@ pub(super) struct Frame<'a> {
     pub(super) slot: usize,
     pub(super) target: &'a Target,
     pub(super) output: usize,
-    pub(super) recorded: Recorded,
+    pub(super) counts: FrameCounts,
 }
 
 impl Frame<'_> {
@@ -94,7 +94,8 @@ impl Frame<'_> {
             }
             // SAFETY: the full-screen triangle reads no vertex buffer.
             unsafe { self.recorder.device().raw().cmd_draw(self.recorder.raw(), 3, 1, 0, 0) };
-            self.recorded.draws += 1;
+            self.counts.draws += 1;
+            self.counts.triangles += 1;
         }
     }
 
@@ -103,7 +104,7 @@ impl Frame<'_> {
         let Renderer { plan, pipelines, scene, .. } = self.renderer;
         let mut bound_mesh = BoundMesh::default();
         let (mut bound_pipeline, mut bound_material) = (None, None);
-        for batch in scene.objects().batches().iter().filter(|b| !b.visible.is_empty()) {
+        for batch in scene.objects().visible_batches() {
             let Some(index) = pipelines.drawing(stage, batch.pipeline) else { continue };
             let layout = match bound_pipeline {
                 Some((bound, layout)) if bound == index => layout,
@@ -117,7 +118,7 @@ impl Frame<'_> {
                 self.bind_set(layout, 1, scene.material_set(batch.material_set));
                 bound_material = Some(batch.material_set);
             }
-            self.recorded.state_changes += scene.bind_mesh(self.recorder, batch, &mut bound_mesh);
+            scene.bind_mesh(self.recorder, batch, &mut bound_mesh, &mut self.counts.state_changes);
             match plan.pipelines[index].1 {
                 Pipeline::Light(_) => self.draw_for_each_light(batch, layout),
                 _ => self.draw_instances(batch, batch.visible.clone()),
@@ -153,8 +154,7 @@ impl Frame<'_> {
     }
 
     fn draw_instances(&mut self, batch: &Batch, instances: Range<u32>) {
-        self.renderer.scene.draw(self.recorder, batch, instances);
-        self.recorded.draws += 1;
+        self.renderer.scene.draw(self.recorder, batch, instances, &mut self.counts);
     }
 
     /// Binds the n-th of `Plan::pipelines` and what its frame has once.
@@ -164,7 +164,7 @@ impl Frame<'_> {
         let pipeline = pipelines.pipelines[index].raw();
         // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
         unsafe { device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::GRAPHICS, pipeline) };
-        self.recorded.state_changes += 1;
+        self.counts.state_changes.pipelines += 1;
         let layout = pipelines.layout_of(index).layout.raw();
         self.bind_set(layout, 0, scene.frame_set(self.slot, pipelines.families[index]));
         layout
@@ -175,6 +175,6 @@ impl Frame<'_> {
         let point = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: the set was allocated with the layout's n-th set layout, and all its bindings are written.
         unsafe { device.cmd_bind_descriptor_sets(raw, point, layout, index, &[set], &[]) };
-        self.recorded.state_changes += 1;
+        self.counts.state_changes.descriptor_sets += 1;
     }
 }
