@@ -9,6 +9,7 @@
 #include "brdf.glsl"
 #include "fragment.glsl"
 #include "light/direct.glsl"
+#include "fog.glsl"
 
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
@@ -18,5 +19,9 @@ void main() {
     if (fragment.surface.lit) {
         light += unlisted_light(fragment.surface);
     }
-    target_output = vec4(light * (frame.exposure * frame.light_scale), 1.0);
+    vec3 exposed_light = light * frame.exposure;
+    if (FOG) {
+        exposed_light = fogged(exposed_light, position_world(fragment.surface.depth));
+    }
+    target_output = vec4(exposed_light * frame.light_scale, 1.0);
 }

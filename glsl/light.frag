@@ -8,6 +8,7 @@
 #include "brdf.glsl"
 #include "fragment.glsl"
 #include "light/direct.glsl"
+#include "fog.glsl"
 
 // Mirrors LightPush in src/gpu/shared.rs.
 layout(push_constant, std430) uniform LightPush {
@@ -18,6 +19,11 @@ layout(location = TARGET_OUTPUT) out vec4 target_output;
 
 void main() {
     Surface surface = surface_at_fragment().surface;
-    vec3 light = light_reflected(push.light, surface, position_world(surface.depth), view_direction_world());
+    vec3 position = position_world(surface.depth);
+    vec3 light = light_reflected(push.light, surface, reflector(surface, view_direction_world()), position);
+    if (FOG) {
+        // The fog's own light is in the base.
+        light *= fog_transmittance(ray_origin_world(), position);
+    }
     target_output = vec4(light * (frame.exposure * frame.light_scale), 0.0);
 }

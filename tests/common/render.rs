@@ -3,7 +3,7 @@
 use super::ignored_unless_required;
 use ontile::gpu::{Device, Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::{Load, Needs, Options, Path, Plan};
+use ontile::plan::{Load, Needs, Options, PassAttachment, Path, Plan};
 use ontile::scene::Scene;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -19,6 +19,9 @@ const ONLY_CLEARS: &str = "redundant-attachment-on-tile";
 
 /// What they say of a draw for each light and small object, which is the way of multi-pass shading.
 pub const MANY_DRAWS: &str = "many-small-indexed-drawcalls";
+
+/// What it says, mistakenly, of a pass that clears no attachment but a stencil.
+const CLEARS_STENCIL: &str = "ClearValueWithoutLoadOpClear";
 
 /// A device to render on.
 pub struct Gpu<'a> {
@@ -85,6 +88,13 @@ impl Gpu<'_> {
         }
         if plan.path == Path::ForwardMultipass {
             self.excused.borrow_mut().insert(MANY_DRAWS);
+        }
+        let clears = |a: &PassAttachment| [a.load, a.stencil.0].map(|load| load == Load::Clear);
+        let only_stencil = |attachments: &[PassAttachment]| {
+            attachments.iter().any(|a| clears(a)[1]) && !attachments.iter().any(|a| clears(a)[0])
+        };
+        if plan.passes.iter().any(|p| only_stencil(&p.attachments)) {
+            self.excused.borrow_mut().insert(CLEARS_STENCIL);
         }
         if plan.pipelines.is_empty() {
             self.excused.borrow_mut().insert(ONLY_CLEARS);

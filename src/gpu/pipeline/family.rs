@@ -37,19 +37,21 @@ const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
 const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
 const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
+const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 7] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
         (FRAME, T::UNIFORM_BUFFER, both),
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
-        (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (LIGHTS, T::STORAGE_BUFFER, both),
         (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
         (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
 
@@ -57,6 +59,7 @@ impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
         let of_lights: &[u32] = match pipeline {
+            Pipeline::LightMask(_) | Pipeline::LightVolume(_) => &[LIGHTS, VOLUMES],
             Pipeline::Depth(_) | Pipeline::Tonemap => &[],
             Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() || plan.has_light_target() => &[],
             Pipeline::Surface(_) | Pipeline::Lighting if plan.clusters.is_some() => &[LIGHTS, CLUSTERS],
@@ -68,16 +71,17 @@ impl Family {
                 Around::Ambient => &[SPLIT_SUM],
                 Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
             },
-            Pipeline::Depth(_) | Pipeline::Light(_) | Pipeline::Lighting | Pipeline::Tonemap => &[],
+            _ => &[],
         };
         let of_surfaces: &[u32] = if pipeline.is_of_surfaces() { &[INSTANCES] } else { &[] };
         let frame = [FRAME].iter().chain(of_surfaces).chain(of_lights).chain(around);
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
+            Pipeline::LightMask(_) => SecondSet::Nothing,
             Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
-            Pipeline::Lighting | Pipeline::Tonemap => {
+            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
