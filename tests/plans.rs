@@ -57,6 +57,10 @@ fn printed() -> Vec<(String, String)> {
             "every_feature_forward_prepass".into(),
             plan(&features, Options { depth_prepass: true, ..forward() }),
         ),
+        (
+            "every_feature_multipass".into(),
+            plan(&features, Options { path: Path::ForwardMultipass, ..default() }),
+        ),
         ("environment".into(), plan(&scenes::environment(), default())),
         ("environment_forward".into(), plan(&scenes::environment_alone(), forward())),
         ("lit_clusters".into(), plan(&lights, by(LightWay::Clusters))),

@@ -12,8 +12,8 @@ use ontile::gpu::shader::{
     embedded_names, shared,
 };
 use ontile::gpu::shared::{
-    ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, MaterialData, ShadowPush,
-    ShadowViewData,
+    ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush, MaterialData,
+    ShadowPush, ShadowViewData,
 };
 use ontile::plan::Tonemap;
 use reflect::{Block, Reflection, block};
@@ -133,7 +133,7 @@ fn names_are_unique_and_unknown_keys_are_errors() {
     assert!(tangent_only.spirv().unwrap_err().to_string().contains("geometry_t.vert"));
 }
 
-fn blocks() -> [Block; 8] {
+fn blocks() -> [Block; 9] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -179,6 +179,7 @@ fn blocks() -> [Block; 8] {
                 padding,
             }
         ),
+        block!("LightPush" = LightPush { light }),
         block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
         block!(
             "ShadowView" =
@@ -294,6 +295,8 @@ fn fragments_read_what_vertices_write() {
             let (Module::GeometryFragment { textured, .. }
             | Module::Unlit { textured }
             | Module::Forward { textured, .. }
+            | Module::Base { textured, .. }
+            | Module::Light { textured }
             | Module::Mask { textured }) = *fragment
             else {
                 continue;
@@ -339,7 +342,7 @@ fn specialization(module: Module) -> Specialization {
         Module::LightVolume => Specialization::volume(0),
         Module::GeometryFragment { .. } | Module::Mask { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
-        Module::Forward { .. } => {
+        Module::Forward { .. } | Module::Base { .. } | Module::Light { .. } => {
             let shadow_filter = Some(ontile::plan::ShadowFilter::Grid3);
             let lighting = LightingConstants { fold: Some(output), shadow_filter, ..Default::default() };
             geometry.and(lighting.specialization())

@@ -89,13 +89,15 @@ vec3 listed_light(Surface surface, Reflector r, vec3 position) {
 
 #endif
 
+// What a surface reflects of the lights that the list does not have, since they come from everywhere at once: cd/m^2.
+vec3 unlisted_light(Surface surface) {
+    return HAS_HEMISPHERE ? reflected_diffuse(surface, light_hemispheres(surface.normal_world)) : vec3(0.0);
+}
+
 // What a surface at `position` reflects of all lights towards `v`, both world space: cd/m^2.
 vec3 direct_light(Surface surface, vec3 position, vec3 v) {
     Reflector r = reflector(surface, v);
-    vec3 sum = vec3(0.0);
-    if (HAS_HEMISPHERE) {
-        sum += reflected_diffuse(surface, light_hemispheres(surface.normal_world));
-    }
+    vec3 sum = unlisted_light(surface);
     uvec4 counts = frame.light_counts * uvec4(HAS_DIRECTIONAL, HAS_POINT, HAS_SPOT, HAS_BOX);
 #ifdef CLUSTERS
     uint everywhere = counts.x;

@@ -1,5 +1,11 @@
 // Written by tools/shaders.
 embed![
+    "base.frag",
+    "base_ambient.frag",
+    "base_environment.frag",
+    "base_textured.frag",
+    "base_textured_ambient.frag",
+    "base_textured_environment.frag",
     "forward.frag",
     "forward_ambient.frag",
     "forward_clusters.frag",
@@ -51,6 +57,8 @@ embed![
     "geometry_p.vert",
     "geometry_u.vert",
     "geometry_uc.vert",
+    "light.frag",
+    "light_textured.frag",
     "light_volume.vert",
     "lighting_exact.frag",
     "lighting_exact_clusters.frag",

@@ -86,6 +86,10 @@ pub struct PlanArgs {
     /// Draw the depth of all surfaces first, so that no pixel is shaded twice [default: off]
     #[arg(long)]
     pub depth_prepass: bool,
+    /// On the path forward-multipass, draw all objects for each light, not only those that it reaches [default: draw
+    /// those]
+    #[arg(long)]
+    pub no_illumination_sets: bool,
     /// How an environment's radiance is stored, unless the file says so: rgbm, b10g11r11 and e5b9g9r9 take 4 bytes a texel,
     /// rgba16f 8
     #[arg(long, value_name = "NAME", default_value_t = TexelFormat::E5B9G9R9, value_parser = named(TexelFormat::ALL, TexelFormat::name))]
@@ -135,6 +139,7 @@ impl PlanArgs {
             layout: self.layout,
             path: self.path,
             depth_prepass: self.depth_prepass,
+            illumination_sets: !self.no_illumination_sets,
             lights: self.lights,
             shadows: ShadowOptions {
                 filter: self.shadow_filter,

@@ -19,6 +19,7 @@ use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Text
 use crate::Result;
 use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind, VolumeShape};
 use crate::scene::Scene;
+use crate::visible::Reach;
 
 /// A scene on the device.
 pub(super) struct SceneData {
@@ -76,6 +77,11 @@ impl SceneData {
     /// What is drawn.
     pub(super) fn objects(&self) -> &Objects {
         &self.objects
+    }
+
+    /// Where the lights of the last frame written reach, in their order.
+    pub(super) fn light_reaches(&self) -> &[Reach] {
+        self.light_lists.reaches()
     }
 
     /// What is drawn, to move it.
@@ -186,22 +192,28 @@ impl SceneData {
         }
     }
 
-    /// Draws what is seen of a batch.
-    pub(super) fn draw(&self, recorder: &Recorder<'_>, batch: &Batch, counts: &mut FrameCounts) {
+    /// Draws some of the visible instances of a batch.
+    pub(super) fn draw(
+        &self,
+        recorder: &Recorder<'_>,
+        batch: &Batch,
+        instances: Range<u32>,
+        counts: &mut FrameCounts,
+    ) {
         let range = &self.geometry.meshes()[batch.mesh];
         // SAFETY: `bind_mesh` bound the buffers, and the ranges lie inside them.
         unsafe {
             recorder.device().raw().cmd_draw_indexed(
                 recorder.raw(),
                 range.index_count,
-                batch.visible.len() as u32,
+                instances.len() as u32,
                 range.first_index,
                 range.vertex_offset,
-                batch.visible.start,
+                instances.start,
             );
         }
         counts.draws += 1;
-        counts.triangles += u64::from(range.index_count / 3) * batch.visible.len() as u64;
+        counts.triangles += u64::from(range.index_count / 3) * instances.len() as u64;
     }
 
     /// One set per frame slot and family.

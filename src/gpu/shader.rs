@@ -103,6 +103,20 @@ pub enum Module {
         /// What arrives from all around.
         around: Around,
     },
+    /// Writes the light that leaves a surface without light sources to the light target.
+    Base {
+        /// Whether the material has any texture.
+        textured: bool,
+        /// What arrives from all around.
+        around: Around,
+    },
+    /// Adds what a surface reflects of one light to the light target.
+    Light {
+        /// Whether the material has any texture.
+        textured: bool,
+        /// Whether lights may cast shadows.
+        shadows: bool,
+    },
     /// Keeps nothing of a surface but what its alpha mask leaves.
     Mask {
         /// Whether the material has any texture.
@@ -219,7 +233,11 @@ impl Module {
                 all.extend(AROUND.map(|around| Self::Forward { textured, lights, around }));
             }
         }
-        all.extend([false, true].map(|textured| Self::Mask { textured }));
+        for textured in [false, true] {
+            all.extend(AROUND.map(|around| Self::Base { textured, around }));
+            all.extend([false, true].map(|shadows| Self::Light { textured, shadows }));
+            all.push(Self::Mask { textured });
+        }
         all.extend([false, true].map(|fog| Self::Tonemap { fog }));
         all.extend([Self::Fullscreen, Self::LightVolume]);
         for (masked, texcoord, color) in
@@ -251,6 +269,12 @@ impl Module {
                 around_suffix(around),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
+            Self::Base { textured, around } => {
+                format!("base{}{}.frag", suffix(textured, "_textured"), around_suffix(around))
+            }
+            Self::Light { textured, shadows } => {
+                format!("light{}{}.frag", suffix(textured, "_textured"), suffix(shadows, "_shadows"))
+            }
             Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
             Self::Forward { textured, lights, around } => {
                 let (lights, textured) = (lights.suffix(), suffix(textured, "_textured"));
@@ -274,6 +298,8 @@ impl Module {
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
             Self::Forward { .. } => "forward.frag",
+            Self::Base { .. } => "base.frag",
+            Self::Light { .. } => "light.frag",
             Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap { .. } => "tonemap.frag",
@@ -293,6 +319,8 @@ impl Module {
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
+            | Self::Base { .. }
+            | Self::Light { .. }
             | Self::Mask { .. }
             | Self::Lighting { .. }
             | Self::Tonemap { .. } => Stage::Fragment,
@@ -323,6 +351,12 @@ impl Module {
                 (around >= Around::Environment, "ENVIRONMENT"),
             ]),
             Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
+            Self::Light { textured, shadows } => chosen(&[(textured, "TEXTURED"), (shadows, "SHADOWS")]),
+            Self::Base { textured, around } => chosen(&[
+                (textured, "TEXTURED"),
+                (around >= Around::Ambient, "AMBIENT"),
+                (around >= Around::Environment, "ENVIRONMENT"),
+            ]),
             Self::Forward { textured, lights, around } => {
                 let [clusters, one, shadows] = lights.defines();
                 chosen(&[

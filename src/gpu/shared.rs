@@ -154,3 +154,11 @@ pub struct ClusterGrid {
     /// Likewise.
     pub slice_bias: f32,
 }
+
+/// Which light a draw adds: `LightPush` in `glsl/light.frag`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightPush {
+    /// Its number among the frame's lights.
+    pub light: u32,
+}

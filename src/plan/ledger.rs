@@ -262,6 +262,7 @@ impl Plan {
                 ];
                 flags.iter().filter(|(on, _)| *on).fold("depth".into(), |text, (_, flag)| text + flag)
             }
+            P::Light(kind) => format!("one light on {kind}"),
             P::Lighting if self.folded => format!("lighting, {} tone curve{around}", self.options.tonemap),
             P::Lighting if matches!(self.light_way, super::LightWay::Volumes | super::LightWay::Stencil) => {
                 "lighting by what shines everywhere".into()

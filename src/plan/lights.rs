@@ -122,6 +122,8 @@ pub(super) struct Resolved {
 /// [`crate::Error::Unsupported`] for lights that are added one by one to surfaces that are lit as they are drawn.
 pub(super) fn resolve(needs: &Needs, options: &Options, path: Path) -> crate::Result<Resolved> {
     let (way, why) = match options.lights {
+        // Lights are added one by one, whatever they could be looked up in.
+        LightWay::Clusters | LightWay::Auto if path == Path::ForwardMultipass => (LightWay::Fullscreen, None),
         LightWay::Auto => {
             return Err(crate::Error::unsupported(
                 "the way of lights auto is not there yet",

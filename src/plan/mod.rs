@@ -18,6 +18,7 @@ mod ledger;
 mod lights;
 mod needs;
 mod options;
+mod path;
 mod print;
 mod shadow;
 mod shadow_report;
@@ -222,6 +223,8 @@ pub enum Pipeline {
     Surface(SurfaceKind),
     /// Draws the depth of surfaces, as [`SurfaceKind::depth`] sorts them.
     Depth(SurfaceKind),
+    /// Adds what surfaces of a kind reflect of one light; drawn once for each light.
+    Light(SurfaceKind),
     /// Shades the G-buffer by all lights, or, where those with a place are added one by one, by the others.
     Lighting,
     /// Marks in the stencil what is in a light's volume; for lights of one shape, each before it is added.
@@ -235,13 +238,13 @@ pub enum Pipeline {
 impl Pipeline {
     /// Whether it draws surfaces, not all pixels.
     pub fn is_of_surfaces(&self) -> bool {
-        matches!(self, Self::Surface(_) | Self::Depth(_))
+        matches!(self, Self::Surface(_) | Self::Depth(_) | Self::Light(_))
     }
 
     /// Whether it draws surfaces of this kind.
     pub fn draws(&self, kind: &SurfaceKind) -> bool {
         match self {
-            Self::Surface(own) => own == kind,
+            Self::Surface(own) | Self::Light(own) => own == kind,
             Self::Depth(own) => *own == kind.depth(),
             Self::Lighting | Self::LightMask(_) | Self::LightVolume(_) | Self::Tonemap => false,
         }
@@ -286,8 +289,7 @@ impl Plan {
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
         check_size(options.size, limits)?;
         check_dither(&options)?;
-        check_ways(&options)?;
-        let path = options.path;
+        let (path, path_why) = path::resolve(&needs, &options)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
         let frame = stage::Frame::new(&needs, &options, path, light_way, limits.depth_stencil);
         let places = derive::place(&frame, &options);
@@ -299,6 +301,7 @@ impl Plan {
         let pipelines = pipelines(&frame, &needs, light_way);
         let folded = frame.folded;
         let mut notes = notes(&needs, &options, path, &attachments, folded);
+        notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
         notes.extend(shadow_notes);
@@ -373,22 +376,6 @@ fn check_dither(options: &Options) -> crate::Result<()> {
     Ok(())
 }
 
-fn check_ways(options: &Options) -> crate::Result<()> {
-    if matches!(options.path, Path::ForwardMultipass | Path::Auto) {
-        return Err(crate::Error::unsupported(
-            format!("the path {} is not there yet", options.path),
-            "choose the path deferred or forward",
-        ));
-    }
-    if options.path != Path::Deferred && options.keep_gbuffer {
-        return Err(crate::Error::unsupported(
-            format!("the path {} has no G-buffer that could be kept", options.path),
-            "choose the path deferred, or leave `keep_gbuffer` out",
-        ));
-    }
-    Ok(())
-}
-
 fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) -> crate::Result<()> {
     for subpass in passes.iter().flat_map(|p| &p.subpasses) {
         let checks = [
@@ -414,10 +401,14 @@ fn pipelines(frame: &stage::Frame, needs: &Needs, way: LightWay) -> Vec<(usize, 
         stage("depth").into_iter().flat_map(|s| depths.iter().map(move |&k| (s, Pipeline::Depth(k))));
     let surface = stage("geometry").or(stage("forward")).unwrap_or(0);
     let surfaces = needs.kinds.iter().map(|n| (surface, Pipeline::Surface(n.kind)));
+    let lights = stage("lights").into_iter().flat_map(|s| {
+        let lit = needs.kinds.iter().filter(|n| !n.kind.unlit);
+        lit.map(move |n| (s, Pipeline::Light(n.kind)))
+    });
     let lighting =
         stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
-    depths.chain(surfaces).chain(lighting).chain(tonemap).collect()
+    depths.chain(surfaces).chain(lights).chain(lighting).chain(tonemap).collect()
 }
 
 fn notes(
@@ -434,10 +425,7 @@ fn notes(
     if needs.lit.is_none() {
         notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());
     } else if path == Path::Forward {
-        let layout = options.layout;
-        notes.push(format!(
-            "surfaces are lit as they are drawn: no G-buffer (the layout {layout} is not used), no light target"
-        ));
+        notes.extend(path::notes(options, path));
     } else if folded {
         notes.push(
             "no light exists before lighting: lighting and tonemap are one subpass, no light target".into(),
@@ -446,9 +434,10 @@ fn notes(
         let table = options.layout.table();
         let range = format!("the light target holds exposed light up to {}", table.light_range);
         notes.extend((table.light.format == Format::Rgb10a2Unorm).then_some(range));
+        notes.extend(path::notes(options, path));
         if !options.recycle {
             notes.push("recycling is off: every resource has an attachment of its own".into());
-        } else if !attachments[0].name.contains('/') {
+        } else if path == Path::Deferred && !attachments[0].name.contains('/') {
             let base = table.surface[2].format;
             notes.push(if !options.output_is_input_attachment {
                 "the output cannot be read as an input attachment, so base_metallic has its own".into()

@@ -196,6 +196,11 @@ impl Needs {
         self.point_lights + self.spot_lights + self.box_lights
     }
 
+    /// Lights that are not dark and that shaders go through one by one: all but hemispheres.
+    pub fn listed_lights(&self) -> usize {
+        self.directional_lights + self.local_lights()
+    }
+
     /// Lights that are not dark and shine everywhere alike.
     pub fn global_lights(&self) -> usize {
         self.directional_lights + self.hemisphere_lights

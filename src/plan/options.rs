@@ -228,6 +228,8 @@ pub struct Options {
     /// Draw the depth of all surfaces first, so that each pixel is shaded once. Pays where shading a pixel costs more than
     /// drawing its triangles twice.
     pub depth_prepass: bool,
+    /// On the path forward-multipass: draw for each light only the objects that its reach touches, its illumination set.
+    pub illumination_sets: bool,
     /// Store the G-buffer too, so that it can be read back (for debugging and tests).
     pub keep_gbuffer: bool,
     /// How an environment's radiance is stored, unless it was filtered already.
@@ -251,6 +253,7 @@ impl Default for Options {
             fold: true,
             dither: false,
             depth_prepass: false,
+            illumination_sets: true,
             keep_gbuffer: false,
             environment_format: TexelFormat::E5B9G9R9,
         }

@@ -74,6 +74,9 @@ impl Frame {
     /// The final image's index in `resources`.
     pub const OUTPUT: usize = 0;
 
+    /// What a light target holds where background and surfaces are told apart.
+    const LIGHT_AND_BACKGROUND: &str = "rgb: exposed light / range, a: 0 background, 1 surface";
+
     /// The least number of stages and resources that give the picture on this path and in this way, none of which is
     /// `Auto`. The format is for depth where the way needs a stencil.
     pub fn new(needs: &Needs, options: &Options, path: Path, way: LightWay, depth_stencil: Format) -> Self {
@@ -142,6 +145,27 @@ impl Frame {
         };
         let lit = match (&needs.lit, path) {
             (Some(lit), Path::Deferred) => lit,
+            (Some(_), Path::ForwardMultipass) => {
+                let light = add(&options.layout.table().light, false, "lights are summed one by one".into());
+                if needs.background.is_some() {
+                    resources[light].holds = Self::LIGHT_AND_BACKGROUND;
+                }
+                let drawn = |how| (light, how);
+                let depth_test =
+                    depth_uses.iter().map(|&(depth, _)| (depth, Use::DepthTest)).collect::<Vec<_>>();
+                let base = if needs.prelit.is_empty() {
+                    "surfaces without their lights, and their depth".into()
+                } else {
+                    needs.prelit.join(", ")
+                };
+                let mut stage = |name, uses: Vec<_>, why| stages.push(Stage { name, uses, why });
+                stage("geometry", std::iter::once(drawn(Use::Write)).chain(depth_uses).collect(), base);
+                let each = format!("{}; each adds to the surfaces that it reaches", lights());
+                stage("lights", std::iter::once(drawn(Use::Blend)).chain(depth_test).collect(), each);
+                let sum = "light from several draws was summed".into();
+                stage("tonemap", vec![(Self::OUTPUT, Use::Write), drawn(Use::Read)], sum);
+                return Self { resources, stages, folded: false };
+            }
             (lit, _) => {
                 // Nothing covers the whole image, so the output itself must be cleared.
                 let [red, green, blue] = needs.background.unwrap_or_default();
@@ -184,7 +208,7 @@ impl Frame {
                 resources[surface[Layout::DEPTH]].why += ", and tonemap for fog";
             }
             if needs.fog.is_some() || needs.background.is_some() {
-                resources[light].holds = "rgb: exposed light / range, a: 0 background, 1 surface";
+                resources[light].holds = Self::LIGHT_AND_BACKGROUND;
             }
         }
 

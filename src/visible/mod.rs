@@ -3,6 +3,7 @@
 mod cascades;
 mod clusters;
 mod frustum;
+mod illumination;
 mod order;
 mod reach;
 mod shadow_views;

@@ -1,11 +1,10 @@
 //! Which descriptor sets a pipeline takes.
 
-use std::collections::BTreeSet;
-
 use ash::vk;
 
 use super::super::descriptor::Binding;
 use super::super::shader::shared;
+use super::super::shared::LightPush;
 use super::super::{Device, Owned};
 use crate::Result;
 use crate::plan::{Around, Pipeline, Plan};
@@ -16,6 +15,8 @@ pub(in crate::gpu) struct Family {
     /// The bindings of `SET_FRAME`: bit `n` is binding `n`.
     frame: u32,
     second: SecondSet,
+    /// Whether `LightPush` says which light it is.
+    one_light: bool,
 }
 
 /// The set beside `SET_FRAME`.
@@ -62,18 +63,18 @@ impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
         // What shading reads of the lights.
-        let lighting = [LIGHTS]
-            .into_iter()
-            .chain(plan.clusters.map(|_| CLUSTERS))
-            .chain(plan.shadow_map.iter().flat_map(|_| [SHADOW_VIEWS, SHADOW_MAP]));
-        let frame: BTreeSet<u32> = match pipeline {
-            Pipeline::Depth(_) => [FRAME, INSTANCES].into(),
-            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => [FRAME, INSTANCES].into(),
-            Pipeline::Surface(_) => [FRAME, INSTANCES].into_iter().chain(lighting).collect(),
-            Pipeline::Lighting => [FRAME].into_iter().chain(lighting).collect(),
-            Pipeline::LightMask(_) => [FRAME, LIGHTS, VOLUMES].into(),
-            Pipeline::LightVolume(_) => [FRAME, VOLUMES].into_iter().chain(lighting).collect(),
-            Pipeline::Tonemap => [FRAME].into(),
+        let lighting = [LIGHTS].into_iter().chain(plan.clusters.map(|_| CLUSTERS));
+        let shadows = plan.shadow_map.iter().flat_map(|_| [SHADOW_VIEWS, SHADOW_MAP]);
+        let of_lights: Vec<u32> = match pipeline {
+            Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
+            Pipeline::LightVolume(_) => lighting.chain(shadows).chain([VOLUMES]).collect(),
+            Pipeline::Depth(_) | Pipeline::Tonemap => Vec::new(),
+            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() || plan.has_light_target() => {
+                Vec::new()
+            }
+            Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting => {
+                lighting.chain(shadows).collect()
+            }
         };
         let around: &[u32] = match pipeline {
             Pipeline::Surface(kind) => match kind.around {
@@ -83,17 +84,20 @@ impl Family {
             },
             _ => &[],
         };
+        let of_surfaces: &[u32] = if pipeline.is_of_surfaces() { &[INSTANCES] } else { &[] };
+        let frame = [FRAME].iter().chain(of_surfaces).chain(&of_lights).chain(around);
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
             Pipeline::LightMask(_) => SecondSet::Nothing,
-            Pipeline::Surface(kind) | Pipeline::Depth(kind) => {
+            Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
             Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
-        Self { frame: frame.iter().chain(around).fold(0, |bits, binding| bits | 1 << binding), second }
+        let one_light = matches!(pipeline, Pipeline::Light(_));
+        Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, one_light }
     }
 
     /// Whether the second set is a material's.
@@ -135,8 +139,12 @@ impl FamilyLayout {
         let sets = bindings.iter().filter(|b| !b.is_empty());
         let sets: Vec<_> = sets.map(|b| set_layout(device, family, b)).collect::<Result<_>>()?;
         let raw: Vec<_> = sets.iter().map(Owned::raw).collect();
-        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&raw);
-        // SAFETY: the set layouts are alive and belong to this device.
+        let push = vk::PushConstantRange::default()
+            .stage_flags(vk::ShaderStageFlags::FRAGMENT)
+            .size(size_of::<LightPush>() as u32);
+        let pushes: &[_] = if family.one_light { &[push] } else { &[] };
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&raw).push_constant_ranges(pushes);
+        // SAFETY: the set layouts are alive and belong to this device, and every device has 128 bytes to push.
         let layout = unsafe { device.create_pipeline_layout(&info, &format!("{family:?}")) }?;
         Ok(Self { sets, layout, bindings })
     }

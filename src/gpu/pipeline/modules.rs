@@ -51,6 +51,10 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 let light_target = plan.has_light_target();
                 let around = kind.around;
                 (vertex, Module::GeometryFragment { layout, light_target, textured, around }, constants)
+            } else if plan.has_light_target() {
+                let around = kind.around;
+                let constants = constants.and(lighting.specialization()).and(output.specialization());
+                (vertex, Module::Base { textured, around }, constants)
             } else if kind.unlit {
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
@@ -58,6 +62,13 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 let module = Module::Forward { textured, lights, around };
                 (vertex, module, constants.and(lighting.specialization()))
             }
+        }
+        Pipeline::Light(kind) => {
+            let constants = surface_constants(plan, kind)
+                .specialization()
+                .and(lighting.specialization())
+                .and(output.specialization());
+            (vertex_module(kind), Module::Light { textured: kind.textures != 0, shadows }, constants)
         }
         Pipeline::Lighting => {
             let lighting = if one_by_one { lighting.only_global() } else { lighting };
@@ -70,7 +81,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             (Module::LightVolume, module, constants)
         }
         Pipeline::Tonemap => {
-            let fog = plan.needs.fog.is_some();
+            let fog = plan.needs.fog.is_some() && plan.has_gbuffer();
             (Module::Fullscreen, Module::Tonemap { fog }, output.specialization())
         }
     };
