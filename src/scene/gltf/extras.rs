@@ -12,6 +12,9 @@ use crate::{Error, Result};
 pub const OF_NODES: [&str; 9] =
     ["shadow", "dynamic", "priority", "back_color", "ground_color", "box", "globe_map", "baked", "lightmap"];
 
+/// What may be said of scenes: [`super::environment`], [`super::around`].
+pub const OF_SCENES: [&str; 4] = ["environment", "background", "fog", "lightmap"];
+
 /// The members of an object that are known to be meant for this program.
 pub struct Extras<'a> {
     members: BTreeMap<String, Extra<'a>>,
@@ -83,6 +86,10 @@ impl<'a> Extra<'a> {
             Err(extra.bad("is not a name that is known here", format!("use one of: {}", known.join(", "))))
         };
         Ok(Extras { members: values.iter().map(member).collect::<Result<_>>()? })
+    }
+
+    pub fn text(&self) -> Result<&str> {
+        self.value.as_str().ok_or_else(|| self.must_be("a text"))
     }
 
     pub fn bool(&self) -> Result<bool> {
