@@ -182,8 +182,12 @@ impl Edit {
         if !self.json["scenes"].is_array() {
             // Without scenes all roots are drawn.
             let nodes = self.json["nodes"].as_array().into_iter().flatten();
-            let children: Vec<_> =
-                nodes.clone().filter_map(|n| n["children"].as_array()).flatten().filter_map(Value::as_u64).collect();
+            let children: Vec<_> = nodes
+                .clone()
+                .filter_map(|n| n["children"].as_array())
+                .flatten()
+                .filter_map(Value::as_u64)
+                .collect();
             let roots: Vec<_> = (0..nodes.count() as u64).filter(|i| !children.contains(i)).collect();
             self.json["scenes"] = json!([{"nodes": roots}]);
         }

@@ -134,10 +134,6 @@ impl<'a> Extra<'a> {
         indices.ok_or_else(|| self.must_be(&format!("a list of {N} indices")))
     }
 
-    pub fn text(&self) -> Result<&str> {
-        self.value.as_str().ok_or_else(|| self.must_be("a text"))
-    }
-
     /// Its path in the file.
     pub fn element(&self) -> &str {
         &self.element
