@@ -14,6 +14,7 @@
 #define BINDING_SPLIT_SUM 8
 #define BINDING_ENVIRONMENT 9
 #define BINDING_RADIANCE 10
+#define BINDING_VOLUMES 4
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 
@@ -36,6 +37,7 @@
 #define VARYING_TEXCOORD 1
 #define VARYING_TANGENT 2
 #define VARYING_COLOR 3
+#define VARYING_LIGHT 4
 
 // Colour output locations: of geometry, and of the subpasses with one output.
 #define TARGET_DEPTH 0
@@ -79,6 +81,7 @@
 #define ID_FOG_BASE 32
 #define ID_FOG_INVERSE_HEIGHT 33
 #define ID_RGBM 40
+#define ID_VOLUME_SHAPE 23
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0
@@ -93,3 +96,9 @@
 #define TONEMAP_ACES 1
 #define TONEMAP_REINHARD 2
 #define TONEMAP_LINEAR 3
+
+// Values of the constant VOLUME_SHAPE.
+#define VOLUME_SCREEN 0
+#define VOLUME_SPHERE 1
+#define VOLUME_CONE 2
+#define VOLUME_BOX 3

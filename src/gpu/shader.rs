@@ -112,8 +112,8 @@ pub enum Module {
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
-        /// Whether each pixel looks at the lights of its cluster, not at all.
-        clusters: bool,
+        /// Which lights a pixel looks at.
+        lights: LightLoop,
     },
     /// Turns the light target into the output.
     Tonemap {
@@ -122,6 +122,19 @@ pub enum Module {
     },
     /// One triangle over the whole image.
     Fullscreen,
+    /// A mesh around what a light reaches.
+    LightVolume,
+}
+
+/// The lights that a pixel looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LightLoop {
+    /// All.
+    All,
+    /// Those that shine everywhere and those in the list of its cluster.
+    Cluster,
+    /// The one that is drawn.
+    One,
 }
 
 /// Every kind.
@@ -153,7 +166,8 @@ impl Module {
                 all.push(module(false, Around::Nothing));
                 all.extend(AROUND.map(|around| module(true, around)));
             }
-            all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
+            let loops = [LightLoop::All, LightLoop::Cluster, LightLoop::One];
+            all.extend(loops.map(|lights| Self::Lighting { layout, lights }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
         for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
@@ -161,7 +175,7 @@ impl Module {
         }
         all.extend([false, true].map(|textured| Self::Mask { textured }));
         all.extend([false, true].map(|fog| Self::Tonemap { fog }));
-        all.push(Self::Fullscreen);
+        all.extend([Self::Fullscreen, Self::LightVolume]);
         all
     }
 
@@ -192,11 +206,17 @@ impl Module {
                 let textured = suffix(textured, "_textured");
                 format!("forward{clusters}{textured}{}.frag", around_suffix(around))
             }
-            Self::Lighting { layout, clusters } => {
-                format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
+            Self::Lighting { layout, lights } => {
+                let lights = match lights {
+                    LightLoop::All => "",
+                    LightLoop::Cluster => "_clusters",
+                    LightLoop::One => "_one",
+                };
+                format!("lighting_{layout}{lights}.frag")
             }
             Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
             Self::Fullscreen => "fullscreen.vert".into(),
+            Self::LightVolume => "light_volume.vert".into(),
         }
     }
 
@@ -211,13 +231,14 @@ impl Module {
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap { .. } => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
+            Self::LightVolume => "light_volume.vert",
         }
     }
 
     /// The stage that it is for.
     pub fn stage(self) -> Stage {
         match self {
-            Self::GeometryVertex { .. } | Self::Fullscreen => Stage::Vertex,
+            Self::GeometryVertex { .. } | Self::Fullscreen | Self::LightVolume => Stage::Vertex,
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
@@ -257,11 +278,13 @@ impl Module {
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
             ]),
-            Self::Lighting { layout, clusters } => {
-                chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
-            }
+            Self::Lighting { layout, lights } => chosen(&[
+                (true, layout_define(layout)),
+                (lights == LightLoop::Cluster, "CLUSTERS"),
+                (lights == LightLoop::One, "ONE_LIGHT"),
+            ]),
             Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
-            Self::Fullscreen => Vec::new(),
+            Self::Fullscreen | Self::LightVolume => Vec::new(),
         }
     }
 

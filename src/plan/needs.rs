@@ -194,6 +194,11 @@ impl Needs {
         self.point_lights + self.spot_lights + self.box_lights
     }
 
+    /// Lights that are not dark and shine everywhere alike.
+    pub fn global_lights(&self) -> usize {
+        self.directional_lights + self.hemisphere_lights
+    }
+
     /// Reads them off a scene.
     pub fn of(scene: &Scene) -> Self {
         let around = Around::of(scene);
