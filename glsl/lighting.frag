@@ -29,7 +29,7 @@ void main() {
 #ifdef ONE_LIGHT
         vec3 light = vec3(0.0);
         if (is_lit_from(varying_light, surface, position)) {
-            light = light_reflected(varying_light, surface, position, v);
+            light = light_reflected(varying_light, surface, reflector(surface, v), position);
         }
 #else
         vec3 light = direct_light(surface, position, v);

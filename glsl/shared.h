@@ -69,19 +69,19 @@
 #define ID_HAS_BOX 20
 #define ID_HAS_HEMISPHERE 21
 #define ID_HAS_BACK 22
-#define ID_BACKGROUND 23
-#define ID_BACKGROUND_RED 24
-#define ID_BACKGROUND_GREEN 25
-#define ID_BACKGROUND_BLUE 26
-#define ID_FOG 27
-#define ID_FOG_RED 28
-#define ID_FOG_GREEN 29
-#define ID_FOG_BLUE 30
-#define ID_FOG_DENSITY 31
-#define ID_FOG_BASE 32
-#define ID_FOG_INVERSE_HEIGHT 33
-#define ID_RGBM 40
 #define ID_VOLUME_SHAPE 23
+#define ID_BACKGROUND 24
+#define ID_BACKGROUND_RED 25
+#define ID_BACKGROUND_GREEN 26
+#define ID_BACKGROUND_BLUE 27
+#define ID_FOG 28
+#define ID_FOG_RED 29
+#define ID_FOG_GREEN 30
+#define ID_FOG_BLUE 31
+#define ID_FOG_DENSITY 32
+#define ID_FOG_BASE 33
+#define ID_FOG_INVERSE_HEIGHT 34
+#define ID_RGBM 40
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0
