@@ -1,7 +1,9 @@
 //! From the arguments to a scene and a camera.
 
 use ontile::Result;
-use ontile::scene::{Camera, Scene};
+use ontile::environment::{Cache, DEFAULT_FACE_SIZE, TexelFormat};
+use ontile::glam::Vec3;
+use ontile::scene::{Camera, Environment, Fog, Scene};
 
 use super::args::SceneArgs;
 use super::print;
@@ -15,6 +17,9 @@ pub fn load(args: &SceneArgs) -> Result<Scene> {
     if let Some(ambient) = args.ambient {
         scene.ambient_nt = ontile::glam::Vec3::splat(ambient);
     }
+    read_environment(&mut scene, args)?;
+    scene.background = args.background.unwrap_or(scene.background);
+    apply_fog(&mut scene, args);
     if args.no_shadows {
         scene = scene.without_shadows();
     }
@@ -23,6 +28,58 @@ pub fn load(args: &SceneArgs) -> Result<Scene> {
         print::warning(warning);
     }
     Ok(scene)
+}
+
+fn apply_fog(scene: &mut Scene, args: &SceneArgs) {
+    if args.fog.is_none() && args.fog_color.is_none() && args.fog_height.is_none() {
+        return;
+    }
+    let color_nt = Vec3::new(0.5, 0.6, 0.7);
+    let own = scene.fog.unwrap_or(Fog { color_nt, density_per_m: 0.0, height: None });
+    scene.fog = Some(Fog {
+        density_per_m: args.fog.unwrap_or(own.density_per_m),
+        color_nt: args.fog_color.unwrap_or(own.color_nt),
+        height: args.fog_height.or(own.height),
+    });
+    if scene.fog.is_some_and(|fog| fog.density_per_m == 0.0) && args.fog.is_none() {
+        print::warning(
+            "--fog-color and --fog-height are without effect: the scene has no fog, and --fog gives none",
+        );
+    }
+}
+
+/// The environment that the arguments ask for.
+fn read_environment(scene: &mut Scene, args: &SceneArgs) -> Result<()> {
+    if let Some(path) = &args.environment {
+        let _progress = Progress::of(format!("loading {}", path.display()));
+        let own = scene.environment.take();
+        let read = Environment::load(path)?;
+        // The scene may say how its environment lies and how bright it is, whichever it is.
+        let (rotation_deg, intensity) =
+            own.map_or((read.rotation_deg, read.intensity), |own| (own.rotation_deg, own.intensity));
+        scene.environment = Some(Environment { rotation_deg, intensity, ..read });
+        scene.drop_default_lights();
+    }
+    match &mut scene.environment {
+        Some(environment) => {
+            environment.rotation_deg = args.environment_rotation.unwrap_or(environment.rotation_deg);
+            environment.intensity = args.environment_intensity.unwrap_or(environment.intensity);
+        }
+        None if args.environment_rotation.is_some() || args.environment_intensity.is_some() => {
+            print::warning(
+                "--environment-rotation and --environment-intensity are without effect: there is no environment",
+            );
+        }
+        None => {}
+    }
+    Ok(())
+}
+
+/// Filters the scene's environment, or reads what an earlier run has kept of it.
+pub fn prefilter(scene: &mut Scene, format: TexelFormat) {
+    let Some(environment) = &mut scene.environment else { return };
+    let _progress = Progress::of(format!("filtering {}", environment.name));
+    environment.prefilter(DEFAULT_FACE_SIZE, format, Cache::of_user().as_ref());
 }
 
 /// The camera that the arguments name; the first by default.

@@ -9,7 +9,7 @@ pub use specialization::{
     GeometryConstants, LightingConstants, OutputConstants, Specialization, TextureSlot,
 };
 
-use crate::plan::Layout;
+use crate::plan::{Around, Layout};
 use crate::{Error, Result};
 
 /// The number that `glsl/shared.h` defines for `name`; call it in a `const`, so that a missing name does not compile.
@@ -86,6 +86,8 @@ pub enum Module {
         light_target: bool,
         /// Whether the material has any texture.
         textured: bool,
+        /// What arrives from all around; nothing without a light target.
+        around: Around,
     },
     /// Writes the output directly, where nothing is lit.
     Unlit {
@@ -98,6 +100,8 @@ pub enum Module {
         textured: bool,
         /// Whether each pixel looks at the lights of its cluster, not at all.
         clusters: bool,
+        /// What arrives from all around.
+        around: Around,
     },
     /// Keeps nothing of a surface but what its alpha mask leaves.
     Mask {
@@ -108,13 +112,40 @@ pub enum Module {
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
-        /// Whether each pixel looks at the lights of its cluster, not at all.
-        clusters: bool,
+        /// Which lights a pixel looks at.
+        lights: LightLoop,
     },
     /// Turns the light target into the output.
-    Tonemap,
+    Tonemap {
+        /// Whether fog lies between, so that depth is read too.
+        fog: bool,
+    },
     /// One triangle over the whole image.
     Fullscreen,
+    /// A mesh around what a light reaches.
+    LightVolume,
+}
+
+/// The lights that a pixel looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LightLoop {
+    /// All.
+    All,
+    /// Those that shine everywhere and those in the list of its cluster.
+    Cluster,
+    /// The one that is drawn.
+    One,
+}
+
+/// Every kind.
+const AROUND: [Around; 3] = [Around::Nothing, Around::Ambient, Around::Environment];
+
+fn around_suffix(around: Around) -> &'static str {
+    match around {
+        Around::Nothing => "",
+        Around::Ambient => "_ambient",
+        Around::Environment => "_environment",
+    }
 }
 
 impl Module {
@@ -129,17 +160,22 @@ impl Module {
             }
         }
         for &layout in Layout::ALL {
-            for (light_target, textured) in [(false, false), (false, true), (true, false), (true, true)] {
-                all.push(Self::GeometryFragment { layout, light_target, textured });
+            for textured in [false, true] {
+                let module =
+                    |light_target, around| Self::GeometryFragment { layout, light_target, textured, around };
+                all.push(module(false, Around::Nothing));
+                all.extend(AROUND.map(|around| module(true, around)));
             }
-            all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
+            let loops = [LightLoop::All, LightLoop::Cluster, LightLoop::One];
+            all.extend(loops.map(|lights| Self::Lighting { layout, lights }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
         for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
-            all.push(Self::Forward { textured, clusters });
+            all.extend(AROUND.map(|around| Self::Forward { textured, clusters, around }));
         }
         all.extend([false, true].map(|textured| Self::Mask { textured }));
-        all.extend([Self::Tonemap, Self::Fullscreen]);
+        all.extend([false, true].map(|fog| Self::Tonemap { fog }));
+        all.extend([Self::Fullscreen, Self::LightVolume]);
         all
     }
 
@@ -157,22 +193,30 @@ impl Module {
                 suffix(tangent, "t"),
                 suffix(color, "c"),
             ),
-            Self::GeometryFragment { layout, light_target, textured } => format!(
-                "geometry_{layout}{}{}.frag",
+            Self::GeometryFragment { layout, light_target, textured, around } => format!(
+                "geometry_{layout}{}{}{}.frag",
                 suffix(light_target, "_light"),
                 suffix(textured, "_textured"),
+                around_suffix(around),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
             Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured, clusters } => {
+            Self::Forward { textured, clusters, around } => {
                 let clusters = suffix(clusters, "_clusters");
-                format!("forward{clusters}{}.frag", suffix(textured, "_textured"))
+                let textured = suffix(textured, "_textured");
+                format!("forward{clusters}{textured}{}.frag", around_suffix(around))
             }
-            Self::Lighting { layout, clusters } => {
-                format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
+            Self::Lighting { layout, lights } => {
+                let lights = match lights {
+                    LightLoop::All => "",
+                    LightLoop::Cluster => "_clusters",
+                    LightLoop::One => "_one",
+                };
+                format!("lighting_{layout}{lights}.frag")
             }
-            Self::Tonemap => "tonemap.frag".into(),
+            Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
             Self::Fullscreen => "fullscreen.vert".into(),
+            Self::LightVolume => "light_volume.vert".into(),
         }
     }
 
@@ -185,21 +229,22 @@ impl Module {
             Self::Forward { .. } => "forward.frag",
             Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
-            Self::Tonemap => "tonemap.frag",
+            Self::Tonemap { .. } => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
+            Self::LightVolume => "light_volume.vert",
         }
     }
 
     /// The stage that it is for.
     pub fn stage(self) -> Stage {
         match self {
-            Self::GeometryVertex { .. } | Self::Fullscreen => Stage::Vertex,
+            Self::GeometryVertex { .. } | Self::Fullscreen | Self::LightVolume => Stage::Vertex,
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
             | Self::Mask { .. }
             | Self::Lighting { .. }
-            | Self::Tonemap => Stage::Fragment,
+            | Self::Tonemap { .. } => Stage::Fragment,
         }
     }
 
@@ -219,17 +264,27 @@ impl Module {
                 (tangent, "HAS_TANGENT"),
                 (color, "HAS_COLOR"),
             ]),
-            Self::GeometryFragment { layout, light_target, textured } => chosen(&[
+            Self::GeometryFragment { layout, light_target, textured, around } => chosen(&[
                 (true, layout_define(layout)),
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
+                (around >= Around::Ambient, "AMBIENT"),
+                (around >= Around::Environment, "ENVIRONMENT"),
             ]),
             Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Forward { textured, clusters } => chosen(&[(textured, "TEXTURED"), (clusters, "CLUSTERS")]),
-            Self::Lighting { layout, clusters } => {
-                chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
-            }
-            Self::Tonemap | Self::Fullscreen => Vec::new(),
+            Self::Forward { textured, clusters, around } => chosen(&[
+                (textured, "TEXTURED"),
+                (clusters, "CLUSTERS"),
+                (around >= Around::Ambient, "AMBIENT"),
+                (around >= Around::Environment, "ENVIRONMENT"),
+            ]),
+            Self::Lighting { layout, lights } => chosen(&[
+                (true, layout_define(layout)),
+                (lights == LightLoop::Cluster, "CLUSTERS"),
+                (lights == LightLoop::One, "ONE_LIGHT"),
+            ]),
+            Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
+            Self::Fullscreen | Self::LightVolume => Vec::new(),
         }
     }
 

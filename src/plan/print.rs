@@ -24,6 +24,7 @@ impl Display for Plan {
         for (stage, pipeline) in &self.pipelines {
             writeln!(f, "  {:<10} {}", self.subpass(*stage).2.name, self.pipeline_text(pipeline))?;
         }
+        self.print_around(f)?;
         self.print_ledger(f)
     }
 }
@@ -58,23 +59,29 @@ impl Plan {
     fn print_pass(&self, f: &mut Formatter<'_>, index: usize, pass: &Pass) -> Result {
         writeln!(f, "\nrender pass {index}: {}", pass.name)?;
         let name = |i: usize| self.attachments[pass.attachments[i].attachment].name.as_str();
+        let load = |load: Load| match load {
+            Load::Load => "LOAD",
+            Load::Clear => "clear",
+            Load::DontCare => "don't care",
+        };
+        let store = |store: Store| match store {
+            Store::Store => "STORE",
+            Store::DontCare => "don't care",
+        };
         for (i, a) in pass.attachments.iter().enumerate() {
-            let load = match a.load {
-                Load::Load => "LOAD",
-                Load::Clear => "clear",
-                Load::DontCare => "don't care",
-            };
-            let store = match a.store {
-                Store::Store => "STORE",
-                Store::DontCare => "don't care",
-            };
             writeln!(
                 f,
-                "  {:<22} load {load:<10}  store {store:<10}  {:?} -> {:?}",
+                "  {:<22} load {:<10}  store {:<10}  {:?} -> {:?}",
                 name(i),
+                load(a.load),
+                store(a.store),
                 a.initial,
                 a.last
             )?;
+            if self.attachments[a.attachment].format.has_stencil() {
+                let (first, last) = a.stencil;
+                writeln!(f, "  {:<22} load {:<10}  store {:<10}", "  its stencil", load(first), store(last))?;
+            }
         }
         for (i, s) in pass.subpasses.iter().enumerate() {
             let list = |l: &[usize]| l.iter().map(|&i| name(i)).collect::<Vec<_>>().join(", ");
@@ -87,8 +94,12 @@ impl Plan {
                 writeln!(f, "      writes  {}{blend}", list(&s.colors))?;
             }
             if let Some(depth) = s.depth {
-                let equal = if s.depth_write { "" } else { " (equal)" };
-                writeln!(f, "      tests   {}{equal}", name(depth))?;
+                let writes = match (s.depth_write, s.stencil) {
+                    (true, _) => "",
+                    (false, true) => " (writes stencil only)",
+                    (false, false) => " (writes nothing)",
+                };
+                writeln!(f, "      tests   {}{writes}", name(depth))?;
             }
             writeln!(
                 f,
@@ -110,6 +121,21 @@ impl Plan {
             for why in &d.why {
                 writeln!(f, "      {why}")?;
             }
+        }
+        Ok(())
+    }
+
+    fn print_around(&self, f: &mut Formatter<'_>) -> Result {
+        if self.around.is_empty() {
+            return Ok(());
+        }
+        writeln!(f, "\nsampled for light from all around: {}", self.around.len())?;
+        for image in &self.around {
+            let [width, height] = image.size;
+            let shape = if image.faces == 6 { "cube " } else { "" };
+            let levels = if image.levels == 1 { String::new() } else { format!(", {} levels", image.levels) };
+            let (name, format, bytes, why) = (image.name, image.format, image.bytes, &image.why);
+            writeln!(f, "  {name:<10} {shape}{width}x{height}{levels}, {format}, {bytes} bytes; {why}")?;
         }
         Ok(())
     }

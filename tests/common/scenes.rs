@@ -1,12 +1,14 @@
 //! Scenes built by hand, small enough to render often; together they use every kind of surface, light and camera.
 
+use ontile::environment::{Panorama, Prefiltered, TexelFormat, direction_from_uv};
 use ontile::glam::{Mat4, Vec2, Vec3, Vec4, camera::rh::view::look_at_mat4};
 use ontile::scene::{
-    AlphaMode, Camera, Image, Instance, Light, LightKind, Material, Mesh, Projection, Sampler, Scene,
-    Texture, TextureRef,
+    AlphaMode, Background, Camera, Environment, Fog, FogHeight, Image, Instance, Light, LightKind, Material,
+    Mesh, Projection, Sampler, Scene, Texture, TextureRef,
 };
 use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The scenes that the repository ships, loaded, in order of name.
 ///
@@ -70,6 +72,11 @@ pub fn built() -> Vec<Scene> {
         one_empty_mesh(),
         dark_lights(),
         inside(),
+        foggy(),
+        foggy_lights(),
+        foggy_unlit(),
+        environment(),
+        environment_alone(),
     ]
 }
 
@@ -95,6 +102,34 @@ pub fn every_feature() -> Scene {
     };
     add(&mut scene, square(), sign, &[at(1.5, 1.2, -0.6) * Mat4::from_scale(Vec3::splat(0.4))]);
     scene
+}
+
+/// [`every_feature`] under a sky, with occlusion textures and ambient light.
+pub fn environment() -> Scene {
+    Scene { name: "environment".into(), environment: Some(sky()), ..every_feature() }
+}
+
+/// Untextured surfaces under a sky, without light sources.
+pub fn environment_alone() -> Scene {
+    Scene { name: "environment_alone".into(), environment: Some(sky()), lights: Vec::new(), ..lights_only() }
+}
+
+/// Different in all directions, filtered small.
+fn sky() -> Environment {
+    let texel = |i: u32| {
+        let d =
+            direction_from_uv([(f64::from(i % 64) + 0.5) / 64.0, (f64::from(i / 64) + 0.5) / 32.0]).as_vec3();
+        let sun = if d.dot(Vec3::new(0.48, 0.6, 0.64)) > 0.98 { 20.0 } else { 0.0 };
+        (d * 0.4 + 0.5) * if d.y > 0.0 { 1.0 } else { 0.3 } + sun
+    };
+    let panorama = Panorama::new(64, 32, (0..64 * 32).map(texel).collect()).expect("a panorama");
+    let prefiltered = Prefiltered::new(&panorama, 32, TexelFormat::E5B9G9R9);
+    Environment {
+        prefiltered: Some(Arc::new(prefiltered)),
+        rotation_deg: 40.0,
+        intensity: 0.7,
+        ..Environment::new("sky", panorama)
+    }
 }
 
 /// [`every_feature`] in parallel projection.
@@ -289,6 +324,28 @@ pub fn inside() -> Scene {
     add(&mut scene, sphere(), shell, &[Mat4::from_translation(eye)]);
     scene.lights[1].position_world = eye;
     scene
+}
+
+/// [`every_feature`] in a layer of fog, before a colour.
+pub fn foggy() -> Scene {
+    in_fog("foggy", every_feature())
+}
+
+/// [`lights_only`], where the lighting stage writes the picture, likewise.
+pub fn foggy_lights() -> Scene {
+    in_fog("foggy_lights", lights_only())
+}
+
+/// [`wholly_unlit`] likewise.
+pub fn foggy_unlit() -> Scene {
+    in_fog("foggy_unlit", wholly_unlit())
+}
+
+fn in_fog(name: &str, scene: Scene) -> Scene {
+    let height = Some(FogHeight { base_m: 0.2, scale_m: 0.7 });
+    let fog = Fog { color_nt: Vec3::new(0.3, 0.4, 0.5), density_per_m: 0.3, height };
+    let background = Background::Color(Vec3::new(0.05, 0.2, 0.6));
+    Scene { name: name.into(), fog: Some(fog), background, ..scene }
 }
 
 fn camera() -> Camera {

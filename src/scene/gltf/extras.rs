@@ -8,6 +8,10 @@ use serde_json::{Map, Value};
 use super::document::Document;
 use crate::{Error, Result};
 
+/// What may be said of nodes, of those with lights in part: [`super::light`], [`super::around`].
+pub const OF_NODES: [&str; 9] =
+    ["shadow", "dynamic", "priority", "back_color", "ground_color", "box", "globe_map", "baked", "lightmap"];
+
 /// The members of an object that are known to be meant for this program.
 pub struct Extras<'a> {
     members: BTreeMap<String, Extra<'a>>,
@@ -79,6 +83,10 @@ impl<'a> Extra<'a> {
             Err(extra.bad("is not a name that is known here", format!("use one of: {}", known.join(", "))))
         };
         Ok(Extras { members: values.iter().map(member).collect::<Result<_>>()? })
+    }
+
+    pub fn text(&self) -> Result<&str> {
+        self.value.as_str().ok_or_else(|| self.must_be("a text"))
     }
 
     pub fn bool(&self) -> Result<bool> {
