@@ -231,7 +231,7 @@ impl Renderer {
         let vk::Extent2D { width, height } = target.extent();
         let seen = self.scene.write_frame(slot, view, &self.plan, [width, height], self.config.cull);
         let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };
-        let mut frame = Frame { renderer: self, recorder, slot, target, output, counts };
+        let mut frame = Frame { renderer: self, recorder, slot, target, output, counts, bound_frame: None };
         frame.record();
         self.recorded = Recorded { counts: frame.counts, light_lists: seen.light_lists };
     }
@@ -245,6 +245,8 @@ struct Frame<'a> {
     target: &'a Target,
     output: usize,
     counts: FrameCounts,
+    /// What is bound as `SET_FRAME`.
+    bound_frame: Option<vk::DescriptorSet>,
 }
 
 impl Frame<'_> {
@@ -358,7 +360,11 @@ impl Frame<'_> {
         unsafe { device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::GRAPHICS, pipeline) };
         self.counts.state_changes.pipelines += 1;
         let layout = pipelines.layout_of(index).layout.raw();
-        self.bind_set(layout, 0, scene.frame_set(self.slot, pipelines.families[index]));
+        let set = scene.frame_set(self.slot, pipelines.families[index]);
+        if self.bound_frame != Some(set) {
+            self.bind_set(layout, 0, set);
+            self.bound_frame = Some(set);
+        }
         layout
     }
 

@@ -1,6 +1,6 @@
 //! A scene on the device: buffers, textures, descriptor sets, and the order in which it is drawn.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use ash::vk;
 
@@ -11,7 +11,7 @@ use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::material_data::Materials;
 use super::objects::{Batch, Objects};
-use super::pipeline::{Family, Pipelines};
+use super::pipeline::{Family, FamilyLayout, Pipelines};
 use super::shader::shared;
 use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
 use crate::Result;
@@ -22,7 +22,8 @@ use crate::scene::Scene;
 pub(super) struct SceneData {
     frame_sets: Option<DescriptorSets>,
     material_sets: Option<DescriptorSets>,
-    families: Vec<Family>,
+    /// What pipelines read of a frame: each [`Family::frame`] once.
+    frame_kinds: Vec<u32>,
     objects: Objects,
     lights: Lights,
     light_lists: LightLists,
@@ -54,7 +55,7 @@ impl SceneData {
         let mut data = Self {
             frame_sets: None,
             material_sets: None,
-            families: pipelines.layouts.keys().copied().collect(),
+            frame_kinds: frame_layouts(pipelines).into_keys().collect(),
             frames: frames.collect::<Result<_>>()?,
             objects,
             light_lists: LightLists::new(plan, lights.count()),
@@ -85,12 +86,12 @@ impl SceneData {
         &mut self.lights
     }
 
-    /// The buffers that pipelines of this family read, for a frame slot.
+    /// The buffers that pipelines of this family read, for a frame slot. Families that read the same share the set.
     pub(super) fn frame_set(&self, slot: usize, family: Family) -> vk::DescriptorSet {
         let index =
-            self.families.iter().position(|f| *f == family).expect("families come from the pipelines");
+            self.frame_kinds.binary_search(&family.frame()).expect("families come from the pipelines");
         let sets = self.frame_sets.as_ref().expect("every plan has a pipeline or draws nothing");
-        sets.raw(slot * self.families.len() + index)
+        sets.raw(slot * self.frame_kinds.len() + index)
     }
 
     /// A material's numbers and textures.
@@ -172,9 +173,10 @@ impl SceneData {
         counts.triangles += u64::from(range.index_count / 3) * batch.visible.len() as u64;
     }
 
-    /// One set per frame slot and family.
+    /// One set per frame slot and kind.
     fn write_frame_sets(&mut self, device: &Device, pipelines: &Pipelines) -> Result<()> {
-        let layouts = pipelines.layouts.values().map(|l| (l.sets[0].raw(), l.bindings[0].as_slice()));
+        let layouts = frame_layouts(pipelines);
+        let layouts = layouts.values().map(|l| (l.sets[0].raw(), l.bindings[0].as_slice()));
         let slots = self.frames.len();
         let wanted: Vec<_> = (0..slots).flat_map(|_| layouts.clone()).collect();
         let Some(sets) = DescriptorSets::new(device, &wanted, "frame")? else { return Ok(()) };
@@ -184,7 +186,7 @@ impl SceneData {
                     sets.write(index, binding, ty, &content);
                     continue;
                 }
-                let frame = &self.frames[index / self.families.len()];
+                let frame = &self.frames[index / self.frame_kinds.len()];
                 let buffer = match binding {
                     b if b == const { shared("BINDING_FRAME") } => Some(&frame.uniforms),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
@@ -251,6 +253,11 @@ impl SceneData {
         self.material_sets = Some(sets);
         Ok(())
     }
+}
+
+/// A layout of each [`Family::frame`].
+fn frame_layouts(pipelines: &Pipelines) -> BTreeMap<u32, &FamilyLayout> {
+    pipelines.layouts.iter().map(|(family, layout)| (family.frame(), layout)).collect()
 }
 
 /// What is bound while surfaces are drawn.

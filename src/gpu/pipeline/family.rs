@@ -11,7 +11,6 @@ use crate::plan::{Around, Pipeline, Plan};
 /// Pipelines that take the same descriptor sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::gpu) struct Family {
-    /// The bindings of `SET_FRAME`: bit `n` is binding `n`.
     frame: u32,
     second: SecondSet,
 }
@@ -86,6 +85,12 @@ impl Family {
     /// Whether the second set is a material's.
     pub(in crate::gpu) fn has_material(self) -> bool {
         matches!(self.second, SecondSet::Material { .. })
+    }
+
+    /// The bindings of `SET_FRAME`: bit `n` is binding `n`. Families with the same ones share the set, and a set that is
+    /// bound stays so while their pipelines take turns.
+    pub(in crate::gpu) fn frame(self) -> u32 {
+        self.frame
     }
 
     /// The bindings of `SET_FRAME`, and of the second set.
