@@ -8,7 +8,8 @@ mod reflect;
 mod shader_manifest;
 
 use ontile::gpu::shader::{
-    GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, embedded_names, shared,
+    GeometryConstants, LightLoop, LightingConstants, Module, OutputConstants, Specialization, embedded_names,
+    shared,
 };
 use ontile::gpu::shared::{
     ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, MaterialData,
@@ -199,7 +200,8 @@ fn shared_structs_have_the_shaders_offsets() {
 
 #[test]
 fn wrong_offsets_are_reported() {
-    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, clusters: false }.spirv().unwrap();
+    let frag =
+        Module::Lighting { layout: ontile::plan::Layout::Exact, lights: LightLoop::All }.spirv().unwrap();
     let light = &blocks()[3];
 
     // Rust's side: two members change places, one is forgotten.
@@ -255,7 +257,7 @@ fn interfaces_have_the_numbers_of_shared_h() {
 fn wrong_interfaces_are_reported() {
     let numbers = shared_numbers();
     let nutc = Module::GeometryVertex { normal: true, texcoord: true, tangent: true, color: true };
-    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, clusters: false };
+    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, lights: LightLoop::All };
     for (module, decoration) in [
         (nutc, Decoration::Location),
         (nutc, Decoration::DescriptorSet),
@@ -322,9 +324,10 @@ fn vertices_have_the_attributes_of_their_key() {
 /// A value for every constant that the typed builders know for this module.
 fn specialization(module: Module) -> Specialization {
     let geometry = GeometryConstants::default().specialization();
-    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false };
+    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false, background: None, fog: None };
     match module {
         Module::GeometryVertex { .. } | Module::Fullscreen => Specialization::default(),
+        Module::LightVolume => Specialization::volume(0),
         Module::GeometryFragment { .. } | Module::Mask { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
         Module::Forward { .. } => {
@@ -333,7 +336,7 @@ fn specialization(module: Module) -> Specialization {
         Module::Lighting { .. } => {
             LightingConstants { fold: Some(output), ..Default::default() }.specialization()
         }
-        Module::Tonemap => output.specialization(),
+        Module::Tonemap { .. } => output.specialization(),
     }
 }
 

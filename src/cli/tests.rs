@@ -1,8 +1,10 @@
 use std::ffi::OsString;
 
 use clap::{Args, CommandFactory, FromArgMatches};
+use ontile::glam::Vec3;
 use ontile::picture::{FileFormat, Picture, Pixels};
 use ontile::plan::{Layout, Options, OutputFormat, Strategy, Tonemap};
+use ontile::scene::{Background, FogHeight};
 
 use super::info::InfoArgs;
 use super::plan::PlanCommandArgs;
@@ -43,6 +45,28 @@ fn defaults_are_the_librarys() {
     assert_eq!((args.run.frames, args.run.report, args.run.device), (1, None, None));
     assert!(!args.run.validate && !args.run.capture);
     assert_eq!(args.plan.exposure, 0.0);
+}
+
+#[test]
+fn what_is_around_arrives() {
+    let args: RenderArgs =
+        parse("s.glb -o o.png --background #ff0080 --fog 0.02 --fog-color 1,2,0.5 --fog-height -3,8.5")
+            .unwrap();
+    assert_eq!(args.scene.background, Background::from_hex("#ff0080"));
+    assert_eq!(args.scene.fog, Some(0.02));
+    assert_eq!(args.scene.fog_color, Some(Vec3::new(1.0, 2.0, 0.5)));
+    assert_eq!(args.scene.fog_height, Some(FogHeight { base_m: -3.0, scale_m: 8.5 }));
+    for (flag, values) in [
+        ("background", &["ff0080", "#ff008", "blue"][..]),
+        ("fog", &["-1", "NaN", "inf", "much"]),
+        ("fog-color", &["1,2", "1,2,3,4", "-1,0,0", "NaN,0,0", "1,2,"]),
+        ("fog-height", &["1", "0,0", "0,-1", "inf,1", "0,NaN"]),
+    ] {
+        for value in values {
+            let message = usage_error::<RenderArgs>(&format!("s.glb -o o.png --{flag} {value}"));
+            assert!(message.contains("give "), "{flag} {value}: {message}");
+        }
+    }
 }
 
 #[test]

@@ -19,8 +19,8 @@ pub(super) struct FrameData {
     /// `None` if nothing is drawn.
     pub(super) instances: Option<Buffer>,
     pub(super) lights: Buffer,
-    /// `None` if the plan has no light lists.
-    pub(super) clusters: Option<Buffer>,
+    /// `None` if the plan's way of lights has no lists.
+    pub(super) light_lists: Option<Buffer>,
 }
 
 /// How much of a scene was written for a frame.
@@ -49,13 +49,13 @@ impl FrameData {
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let instances =
             (objects > 0).then(|| buffer("instances", objects * size_of::<InstanceData>(), storage));
-        let clusters = plan.clusters.map(|c| buffer("clusters", c.bytes as usize, storage));
+        let light_lists = LightLists::bytes(plan).map(|bytes| buffer("light lists", bytes as usize, storage));
         Ok(Self {
             uniforms: buffer("frame", size_of::<FrameUniforms>(), uniform)?,
             instances: instances.transpose()?,
             // A buffer cannot be empty, but a scene can be without lights; then no shader reads what is here.
             lights: buffer("lights", lights.max(1) * size_of::<LightData>(), storage)?,
-            clusters: clusters.transpose()?,
+            light_lists: light_lists.transpose()?,
         })
     }
 
@@ -82,8 +82,8 @@ impl FrameData {
         self.uniforms.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
         let start = Instant::now();
         let all = counts.iter().sum::<u32>();
-        if let Some(clusters) = &mut self.clusters {
-            light_lists.write(view.camera, size, counts[0]..all, clusters.mapped_mut());
+        if let Some(lists) = &mut self.light_lists {
+            light_lists.write(view.camera, size, counts[0]..all, lists.mapped_mut());
         }
         Written {
             objects: Seen::of(seen_objects, objects.count()),
@@ -95,7 +95,7 @@ impl FrameData {
     /// Size of the memory.
     pub(super) fn allocated_bytes(&self) -> u64 {
         let always = [&self.uniforms, &self.lights].into_iter();
-        let buffers = always.chain(&self.instances).chain(&self.clusters);
+        let buffers = always.chain(&self.instances).chain(&self.light_lists);
         buffers.map(Buffer::allocated_bytes).sum()
     }
 }

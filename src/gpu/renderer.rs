@@ -1,5 +1,6 @@
 //! The renderer: a plan made of Vulkan objects, and frames recorded with them.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use ash::vk;
@@ -12,7 +13,7 @@ use super::target::check_formats;
 use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
-use crate::plan::{FrameCounts, Needs, Plan, State};
+use crate::plan::{FrameCounts, Needs, Pipeline, Plan, State, VolumeShape};
 use crate::scene::{Light, Scene};
 use crate::{Error, Result};
 
@@ -315,15 +316,61 @@ impl Frame<'_> {
         let plan = &self.renderer.plan;
         let of_stage =
             plan.pipelines.iter().enumerate().filter(|(_, (s, p))| *s == stage && !p.is_of_surfaces());
-        for (index, _) in of_stage {
-            let layout = self.bind_pipeline(index);
-            if let Some(inputs) = self.target.inputs(self.output, stage) {
-                self.bind_set(layout, 1, inputs);
+        for (index, (_, pipeline)) in of_stage {
+            match pipeline {
+                Pipeline::LightVolume(shape) => self.draw_volumes(stage, index, *shape),
+                // Drawn in turns with the pipeline that follows it.
+                Pipeline::LightMask(_) => {}
+                _ => {
+                    self.bind_with_inputs(stage, index);
+                    self.draw_generated(3, 0..1);
+                }
             }
-            // SAFETY: the full-screen triangle reads no vertex buffer.
-            unsafe { self.recorder.device().raw().cmd_draw(self.recorder.raw(), 3, 1, 0, 0) };
-            self.counts.draws += 1;
-            self.counts.triangles += 1;
+        }
+    }
+
+    /// Draws the lights of a shape: all at once, or each after its mask.
+    fn draw_volumes(&mut self, stage: usize, pipeline: usize, shape: VolumeShape) {
+        let Renderer { plan, scene, .. } = self.renderer;
+        let vertices = match shape {
+            VolumeShape::Screen => 3,
+            VolumeShape::Sphere => 60,
+            VolumeShape::Cone => 48,
+            VolumeShape::Box => 36,
+        };
+        let lights = scene.light_volumes(shape);
+        let mask = pipeline.checked_sub(1).filter(|&p| plan.pipelines[p].1 == Pipeline::LightMask(shape));
+        match mask {
+            _ if lights.is_empty() => {}
+            None => {
+                self.bind_with_inputs(stage, pipeline);
+                self.draw_generated(vertices, lights);
+            }
+            Some(mask) => {
+                for light in lights {
+                    self.bind_pipeline(mask);
+                    self.draw_generated(vertices, light..light + 1);
+                    self.bind_with_inputs(stage, pipeline);
+                    self.draw_generated(vertices, light..light + 1);
+                }
+            }
+        }
+    }
+
+    /// Draws without vertex buffers.
+    fn draw_generated(&mut self, vertices: u32, instances: Range<u32>) {
+        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+        // SAFETY: the bound pipeline makes its vertices from their indices.
+        unsafe { device.cmd_draw(raw, vertices, instances.len() as u32, 0, instances.start) };
+        self.counts.draws += 1;
+        self.counts.triangles += u64::from(vertices / 3) * instances.len() as u64;
+    }
+
+    /// Binds a pipeline, the frame's buffers and the stage's input attachments.
+    fn bind_with_inputs(&mut self, stage: usize, index: usize) {
+        let layout = self.bind_pipeline(index);
+        if let Some(inputs) = self.target.inputs(self.output, stage) {
+            self.bind_set(layout, 1, inputs);
         }
     }
 

@@ -1,6 +1,7 @@
 //! A scene on the device: buffers, textures, descriptor sets, and the order in which it is drawn.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 use ash::vk;
 
@@ -15,7 +16,7 @@ use super::pipeline::{Family, FamilyLayout, Pipelines};
 use super::shader::shared;
 use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
 use crate::Result;
-use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind};
+use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind, VolumeShape};
 use crate::scene::Scene;
 
 /// A scene on the device.
@@ -84,6 +85,11 @@ impl SceneData {
     /// The lights, to change them.
     pub(super) fn lights_mut(&mut self) -> &mut Lights {
         &mut self.lights
+    }
+
+    /// The instances that draw the lights of a shape, of the frame written last.
+    pub(super) fn light_volumes(&self, shape: VolumeShape) -> Range<u32> {
+        self.light_lists.volumes(shape)
     }
 
     /// The buffers that pipelines of this family read, for a frame slot. Families that read the same share the set.
@@ -190,8 +196,8 @@ impl SceneData {
                 let buffer = match binding {
                     b if b == const { shared("BINDING_FRAME") } => Some(&frame.uniforms),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
-                    b if b == const { shared("BINDING_CLUSTERS") } => frame.clusters.as_ref(),
-                    _ => Some(&frame.lights),
+                    b if b == const { shared("BINDING_LIGHTS") } => Some(&frame.lights),
+                    _ => frame.light_lists.as_ref(),
                 };
                 // What a pipeline reads exists: surface pipelines only for instances, light lists by the plan.
                 if let Some(buffer) = buffer {

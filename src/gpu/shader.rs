@@ -112,13 +112,29 @@ pub enum Module {
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
-        /// Whether each pixel looks at the lights of its cluster, not at all.
-        clusters: bool,
+        /// Which lights a pixel looks at.
+        lights: LightLoop,
     },
     /// Turns the light target into the output.
-    Tonemap,
+    Tonemap {
+        /// Whether fog lies between, so that depth is read too.
+        fog: bool,
+    },
     /// One triangle over the whole image.
     Fullscreen,
+    /// A mesh around what a light reaches.
+    LightVolume,
+}
+
+/// The lights that a pixel looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LightLoop {
+    /// All.
+    All,
+    /// Those that shine everywhere and those in the list of its cluster.
+    Cluster,
+    /// The one that is drawn.
+    One,
 }
 
 /// Every kind.
@@ -150,14 +166,16 @@ impl Module {
                 all.push(module(false, Around::Nothing));
                 all.extend(AROUND.map(|around| module(true, around)));
             }
-            all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
+            let loops = [LightLoop::All, LightLoop::Cluster, LightLoop::One];
+            all.extend(loops.map(|lights| Self::Lighting { layout, lights }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
         for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
             all.extend(AROUND.map(|around| Self::Forward { textured, clusters, around }));
         }
         all.extend([false, true].map(|textured| Self::Mask { textured }));
-        all.extend([Self::Tonemap, Self::Fullscreen]);
+        all.extend([false, true].map(|fog| Self::Tonemap { fog }));
+        all.extend([Self::Fullscreen, Self::LightVolume]);
         all
     }
 
@@ -188,11 +206,17 @@ impl Module {
                 let textured = suffix(textured, "_textured");
                 format!("forward{clusters}{textured}{}.frag", around_suffix(around))
             }
-            Self::Lighting { layout, clusters } => {
-                format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
+            Self::Lighting { layout, lights } => {
+                let lights = match lights {
+                    LightLoop::All => "",
+                    LightLoop::Cluster => "_clusters",
+                    LightLoop::One => "_one",
+                };
+                format!("lighting_{layout}{lights}.frag")
             }
-            Self::Tonemap => "tonemap.frag".into(),
+            Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
             Self::Fullscreen => "fullscreen.vert".into(),
+            Self::LightVolume => "light_volume.vert".into(),
         }
     }
 
@@ -205,21 +229,22 @@ impl Module {
             Self::Forward { .. } => "forward.frag",
             Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
-            Self::Tonemap => "tonemap.frag",
+            Self::Tonemap { .. } => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
+            Self::LightVolume => "light_volume.vert",
         }
     }
 
     /// The stage that it is for.
     pub fn stage(self) -> Stage {
         match self {
-            Self::GeometryVertex { .. } | Self::Fullscreen => Stage::Vertex,
+            Self::GeometryVertex { .. } | Self::Fullscreen | Self::LightVolume => Stage::Vertex,
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
             | Self::Mask { .. }
             | Self::Lighting { .. }
-            | Self::Tonemap => Stage::Fragment,
+            | Self::Tonemap { .. } => Stage::Fragment,
         }
     }
 
@@ -253,10 +278,13 @@ impl Module {
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
             ]),
-            Self::Lighting { layout, clusters } => {
-                chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
-            }
-            Self::Tonemap | Self::Fullscreen => Vec::new(),
+            Self::Lighting { layout, lights } => chosen(&[
+                (true, layout_define(layout)),
+                (lights == LightLoop::Cluster, "CLUSTERS"),
+                (lights == LightLoop::One, "ONE_LIGHT"),
+            ]),
+            Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
+            Self::Fullscreen | Self::LightVolume => Vec::new(),
         }
     }
 

@@ -237,6 +237,9 @@ impl Plan {
     /// A pipeline in words.
     pub fn pipeline_text(&self, pipeline: &super::Pipeline) -> String {
         use super::Pipeline as P;
+        let fog = if self.needs.fog.is_some() { " +fog" } else { "" };
+        let background = if self.needs.background.is_some() { " +background colour" } else { "" };
+        let around = format!("{fog}{background}");
         match pipeline {
             P::Surface(kind) => {
                 let need = self.needs.kinds.iter().find(|n| n.kind == *kind);
@@ -254,9 +257,14 @@ impl Plan {
                 ];
                 flags.iter().filter(|(on, _)| *on).fold("depth".into(), |text, (_, flag)| text + flag)
             }
-            P::Lighting if self.folded => format!("lighting, {} tone curve", self.options.tonemap),
+            P::Lighting if self.folded => format!("lighting, {} tone curve{around}", self.options.tonemap),
+            P::Lighting if matches!(self.light_way, super::LightWay::Volumes | super::LightWay::Stencil) => {
+                "lighting by what shines everywhere".into()
+            }
             P::Lighting => "lighting".into(),
-            P::Tonemap => format!("tonemap, {} curve", self.options.tonemap),
+            P::LightMask(shape) => format!("light mask, {shape}"),
+            P::LightVolume(shape) => format!("light, {shape}"),
+            P::Tonemap => format!("tonemap, {} curve{around}", self.options.tonemap),
         }
     }
 }

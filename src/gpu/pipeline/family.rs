@@ -33,19 +33,21 @@ const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
 const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
 const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
+const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 7] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
         (FRAME, T::UNIFORM_BUFFER, both),
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
-        (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (LIGHTS, T::STORAGE_BUFFER, both),
         (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
         (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
 
@@ -60,6 +62,7 @@ impl Family {
             Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
             Pipeline::Lighting if clusters => &[FRAME, LIGHTS, CLUSTERS],
             Pipeline::Lighting => &[FRAME, LIGHTS],
+            Pipeline::LightMask(_) | Pipeline::LightVolume(_) => &[FRAME, LIGHTS, VOLUMES],
             Pipeline::Tonemap => &[FRAME],
         };
         let around: &[u32] = match pipeline {
@@ -68,14 +71,15 @@ impl Family {
                 Around::Ambient => &[SPLIT_SUM],
                 Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
             },
-            Pipeline::Depth(_) | Pipeline::Lighting | Pipeline::Tonemap => &[],
+            _ => &[],
         };
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
+            Pipeline::LightMask(_) => SecondSet::Nothing,
             Pipeline::Surface(kind) | Pipeline::Depth(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
-            Pipeline::Lighting | Pipeline::Tonemap => {
+            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
