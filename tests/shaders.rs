@@ -296,7 +296,7 @@ fn fragments_read_what_vertices_write() {
             | Module::Unlit { textured }
             | Module::Forward { textured, .. }
             | Module::Base { textured, .. }
-            | Module::Light { textured }
+            | Module::Light { textured, .. }
             | Module::Mask { textured }) = *fragment
             else {
                 continue;

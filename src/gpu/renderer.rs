@@ -283,7 +283,7 @@ impl Renderer {
         let shadows = self.shadows.as_mut().map(|s| s.record(recorder, slot, view, aspect, &self.scene));
         let shadows = shadows.unwrap_or_default();
         let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };
-        let mut frame = Frame { renderer: self, recorder, slot, target, output, counts };
+        let mut frame = Frame { renderer: self, recorder, slot, target, output, counts, bound_frame: None };
         frame.record();
         self.recorded = Recorded { counts: frame.counts, light_lists: seen.light_lists, shadows };
     }

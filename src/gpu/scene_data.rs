@@ -1,6 +1,6 @@
 //! A scene on the device: buffers, textures, descriptor sets, and the order in which it is drawn.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use ash::vk;
@@ -12,7 +12,7 @@ use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::material_data::Materials;
 use super::objects::{Batch, Objects};
-use super::pipeline::{Family, Pipelines};
+use super::pipeline::{Family, FamilyLayout, Pipelines};
 use super::shader::shared;
 use super::shadow::ShadowResources;
 use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
@@ -25,7 +25,8 @@ use crate::visible::Reach;
 pub(super) struct SceneData {
     frame_sets: Option<DescriptorSets>,
     material_sets: Option<DescriptorSets>,
-    families: Vec<Family>,
+    /// What pipelines read of a frame: each [`Family::frame`] once.
+    frame_kinds: Vec<u32>,
     objects: Objects,
     lights: Lights,
     light_lists: LightLists,
@@ -58,7 +59,7 @@ impl SceneData {
         let mut data = Self {
             frame_sets: None,
             material_sets: None,
-            families: pipelines.layouts.keys().copied().collect(),
+            frame_kinds: frame_layouts(pipelines).into_keys().collect(),
             frames: frames.collect::<Result<_>>()?,
             objects,
             light_lists: LightLists::new(plan, lights.count()),
@@ -123,12 +124,12 @@ impl SceneData {
         self.light_lists.volumes(shape)
     }
 
-    /// The buffers that pipelines of this family read, for a frame slot.
+    /// The buffers that pipelines of this family read, for a frame slot. Families that read the same share the set.
     pub(super) fn frame_set(&self, slot: usize, family: Family) -> vk::DescriptorSet {
         let index =
-            self.families.iter().position(|f| *f == family).expect("families come from the pipelines");
+            self.frame_kinds.binary_search(&family.frame()).expect("families come from the pipelines");
         let sets = self.frame_sets.as_ref().expect("every plan has a pipeline or draws nothing");
-        sets.raw(slot * self.families.len() + index)
+        sets.raw(slot * self.frame_kinds.len() + index)
     }
 
     /// A material's numbers and textures.
@@ -216,14 +217,15 @@ impl SceneData {
         counts.triangles += u64::from(range.index_count / 3) * instances.len() as u64;
     }
 
-    /// One set per frame slot and family.
+    /// One set per frame slot and kind.
     fn write_frame_sets(
         &mut self,
         device: &Device,
         pipelines: &Pipelines,
         shadows: Option<&ShadowResources>,
     ) -> Result<()> {
-        let layouts = pipelines.layouts.values().map(|l| (l.sets[0].raw(), l.bindings[0].as_slice()));
+        let layouts = frame_layouts(pipelines);
+        let layouts = layouts.values().map(|l| (l.sets[0].raw(), l.bindings[0].as_slice()));
         let slots = self.frames.len();
         let wanted: Vec<_> = (0..slots).flat_map(|_| layouts.clone()).collect();
         let Some(sets) = DescriptorSets::new(device, &wanted, "frame")? else { return Ok(()) };
@@ -233,7 +235,7 @@ impl SceneData {
                     sets.write(index, binding, ty, &content);
                     continue;
                 }
-                let slot = index / self.families.len();
+                let slot = index / self.frame_kinds.len();
                 let frame = &self.frames[slot];
                 if let Some(shadows) = shadows.filter(|_| binding == const { shared("BINDING_SHADOW_MAP") }) {
                     sets.write(index, binding, ty, &Content::Images(vec![shadows.map()]));
@@ -300,6 +302,11 @@ impl SceneData {
         self.material_sets = Some(sets);
         Ok(())
     }
+}
+
+/// A layout of each [`Family::frame`].
+fn frame_layouts(pipelines: &Pipelines) -> BTreeMap<u32, &FamilyLayout> {
+    pipelines.layouts.iter().map(|(family, layout)| (family.frame(), layout)).collect()
 }
 
 /// What is bound while surfaces are drawn.

@@ -10,6 +10,7 @@
 mod access;
 mod around;
 mod budget;
+mod check;
 mod counts;
 mod derive;
 mod format;
@@ -25,6 +26,9 @@ mod shadow_report;
 mod stage;
 #[cfg(test)]
 mod tests;
+
+pub(crate) use check::check_size;
+use check::{check_counts, check_dither};
 
 pub use access::{Access, Scope, State};
 pub use around::{Around, AroundImage, EnvironmentNeed};
@@ -348,50 +352,6 @@ impl Plan {
             all.flat_map(|(p, pass)| pass.subpasses.iter().enumerate().map(move |(s, sub)| (p, s, sub)));
         flat.nth(stage).expect("stage index comes from this plan")
     }
-}
-
-/// # Errors
-/// [`crate::Error::Unsupported`] if no image can have this size in pixels.
-pub(crate) fn check_size([width, height]: [u32; 2], limits: &Limits) -> crate::Result<()> {
-    let most = limits.max_image_size;
-    if width == 0 || height == 0 || width > most || height > most {
-        return Err(crate::Error::unsupported(
-            format!("an image of {width}x{height} pixels cannot be rendered"),
-            format!("choose a size from 1x1 to {most}x{most}"),
-        ));
-    }
-    Ok(())
-}
-
-fn check_dither(options: &Options) -> crate::Result<()> {
-    if options.dither && options.output.is_float() {
-        return Err(crate::Error::unsupported(
-            format!(
-                "dither spreads the rounding to 8 bits, and the output {} is not rounded",
-                options.output
-            ),
-            "render to a PNG (an 8-bit output), or leave dither out",
-        ));
-    }
-    Ok(())
-}
-
-fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) -> crate::Result<()> {
-    for subpass in passes.iter().flat_map(|p| &p.subpasses) {
-        let checks = [
-            ("colour attachments", subpass.colors.len(), limits.max_color_attachments),
-            ("input attachments", subpass.inputs.len(), limits.max_input_attachments),
-        ];
-        for (what, wanted, most) in checks {
-            if wanted > most as usize {
-                return Err(crate::Error::unsupported(
-                    format!("subpass {} needs {wanted} {what}, the device allows {most}", subpass.name),
-                    format!("choose another layout than {}", options.layout),
-                ));
-            }
-        }
-    }
-    Ok(())
 }
 
 fn pipelines(frame: &stage::Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pipeline)> {

@@ -12,7 +12,6 @@ use crate::plan::{Around, Pipeline, Plan};
 /// Pipelines that take the same descriptor sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::gpu) struct Family {
-    /// The bindings of `SET_FRAME`: bit `n` is binding `n`.
     frame: u32,
     second: SecondSet,
     /// Whether `LightPush` says which light it is.
@@ -100,9 +99,20 @@ impl Family {
         Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, one_light }
     }
 
+    /// Whether its pipelines are told a light by push constant.
+    pub(in crate::gpu) fn has_push_constants(self) -> bool {
+        self.one_light
+    }
+
     /// Whether the second set is a material's.
     pub(in crate::gpu) fn has_material(self) -> bool {
         matches!(self.second, SecondSet::Material { .. })
+    }
+
+    /// The bindings of `SET_FRAME`: bit `n` is binding `n`. Families with the same ones share the set, and a set that is
+    /// bound stays so while their pipelines take turns.
+    pub(in crate::gpu) fn frame(self) -> u32 {
+        self.frame
     }
 
     /// The bindings of `SET_FRAME`, and of the second set.

@@ -19,6 +19,8 @@ pub(super) struct Frame<'a> {
     pub(super) target: &'a Target,
     pub(super) output: usize,
     pub(super) counts: FrameCounts,
+    /// What is bound as `SET_FRAME`, and whether by a layout with push constants: only layouts that agree in them share it.
+    pub(super) bound_frame: Option<(vk::DescriptorSet, bool)>,
 }
 
 impl Frame<'_> {
@@ -208,7 +210,12 @@ impl Frame<'_> {
         unsafe { device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::GRAPHICS, pipeline) };
         self.counts.state_changes.pipelines += 1;
         let layout = pipelines.layout_of(index).layout.raw();
-        self.bind_set(layout, 0, scene.frame_set(self.slot, pipelines.families[index]));
+        let set = scene.frame_set(self.slot, pipelines.families[index]);
+        let bound = Some((set, pipelines.families[index].has_push_constants()));
+        if self.bound_frame != bound {
+            self.bind_set(layout, 0, set);
+            self.bound_frame = bound;
+        }
         layout
     }
 
