@@ -7,6 +7,7 @@ use ontile::glam::Vec3;
 use ontile::lightmap::{self, Density, Settings};
 use ontile::{Error, Result};
 
+use super::bake_environment::{self, EnvironmentArgs};
 use super::progress::Progress;
 use super::{args, output, print};
 
@@ -20,6 +21,7 @@ pub struct BakeArgs {
 #[derive(Debug, Subcommand)]
 enum What {
     Lightmap(LightmapArgs),
+    Environment(EnvironmentArgs),
 }
 
 /// Put the diffuse light of everything that does not move into a lightmap, in a copy of the scene.
@@ -62,6 +64,7 @@ pub struct LightmapArgs {
 pub fn run(args: &BakeArgs) -> Result<()> {
     match &args.what {
         What::Lightmap(args) => bake_lightmap(args),
+        What::Environment(args) => bake_environment::run(args),
     }
 }
 

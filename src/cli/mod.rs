@@ -2,6 +2,7 @@
 
 mod args;
 mod bake;
+mod bake_environment;
 mod compare;
 mod info;
 mod output;
