@@ -11,6 +11,9 @@
 #define BINDING_INSTANCES 1
 #define BINDING_LIGHTS 2
 #define BINDING_CLUSTERS 3
+#define BINDING_SPLIT_SUM 8
+#define BINDING_ENVIRONMENT 9
+#define BINDING_RADIANCE 10
 #define BINDING_VOLUMES 4
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
@@ -56,7 +59,6 @@
 #define ID_UNLIT 10
 #define ID_VERTEX_COLOR 11
 #define ID_EMISSIVE 12
-#define ID_AMBIENT 13
 #define ID_HAS_DIRECTIONAL 14
 #define ID_HAS_POINT 15
 #define ID_HAS_SPOT 16
@@ -66,6 +68,7 @@
 #define ID_HAS_BOX 20
 #define ID_HAS_HEMISPHERE 21
 #define ID_HAS_BACK 22
+#define ID_RGBM 40
 #define ID_VOLUME_SHAPE 23
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.

@@ -57,6 +57,8 @@ fn printed() -> Vec<(String, String)> {
             "every_feature_forward_prepass".into(),
             plan(&features, Options { depth_prepass: true, ..forward() }),
         ),
+        ("environment".into(), plan(&scenes::environment(), default())),
+        ("environment_forward".into(), plan(&scenes::environment_alone(), forward())),
         ("lit_clusters".into(), plan(&lights, by(LightWay::Clusters))),
         ("lit_volumes".into(), plan(&lights, by(LightWay::Volumes))),
         ("lit_stencil".into(), plan(&lights, by(LightWay::Stencil))),

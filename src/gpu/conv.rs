@@ -2,6 +2,7 @@
 
 use ash::vk;
 
+use crate::environment::TexelFormat;
 use crate::plan::{Access, Format, Load, Scope, State, Store, Usage};
 
 /// The Vulkan format.
@@ -17,6 +18,16 @@ pub const fn format(f: Format) -> vk::Format {
         Format::D32Float => vk::Format::D32_SFLOAT,
         Format::D32FloatS8 => vk::Format::D32_SFLOAT_S8_UINT,
         Format::D24UnormS8 => vk::Format::D24_UNORM_S8_UINT,
+    }
+}
+
+/// The Vulkan format of an environment's radiance.
+pub const fn radiance_format(f: TexelFormat) -> vk::Format {
+    match f {
+        TexelFormat::Rgbm => vk::Format::R8G8B8A8_UNORM,
+        TexelFormat::B10G11R11 => vk::Format::B10G11R11_UFLOAT_PACK32,
+        TexelFormat::E5B9G9R9 => vk::Format::E5B9G9R9_UFLOAT_PACK32,
+        TexelFormat::Rgba16F => vk::Format::R16G16B16A16_SFLOAT,
     }
 }
 

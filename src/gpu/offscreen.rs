@@ -162,7 +162,6 @@ impl Offscreen {
             ]
         });
         let statistics = statistics.into_iter().flatten();
-        let recorded = self.renderer.recorded();
         report.device = Some(DeviceFigures {
             device: device.caps().name.clone(),
             driver: device.caps().driver.clone(),
@@ -172,8 +171,7 @@ impl Offscreen {
             cpu_record_ms: median_of(&|m| Some(m.record_ms)),
             cpu_light_lists_ms: median_of(&|m| m.light_lists_ms),
             statistics: statistics.map(|(name, n)| (name.to_owned(), Figure::driver(n as f64))).collect(),
-            draws: recorded.draws,
-            state_changes: recorded.state_changes,
+            frame: self.renderer.recorded().counts,
             frames: self.measured.len(),
             allocated_bytes: self.renderer.scene_bytes(),
             validation_messages: None,

@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use ash::vk;
 
+use super::around::AroundData;
 use super::descriptor::{Content, DescriptorSets};
-use super::frame_data::{Everything, FrameData, Seen};
+use super::frame_data::{Everything, FrameData, Written};
 use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::material_data::Materials;
@@ -15,7 +16,7 @@ use super::pipeline::{Family, Pipelines};
 use super::shader::shared;
 use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
 use crate::Result;
-use crate::plan::{Pipeline, Plan, SLOTS, SurfaceKind, VolumeShape};
+use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind, VolumeShape};
 use crate::scene::Scene;
 
 /// A scene on the device.
@@ -31,6 +32,7 @@ pub(super) struct SceneData {
     materials: Option<Materials>,
     geometry: Geometry,
     textures: Textures,
+    around: AroundData,
     ambient_nt: glam::Vec3,
 }
 
@@ -61,6 +63,7 @@ impl SceneData {
             materials: Materials::new(device, upload, scene)?,
             geometry,
             textures,
+            around: AroundData::new(device, upload, scene, plan)?,
             ambient_nt: scene.ambient_nt,
         };
         data.write_frame_sets(device, pipelines)?;
@@ -107,6 +110,7 @@ impl SceneData {
             + self.materials.as_ref().map_or(0, Materials::allocated_bytes)
             + self.geometry.allocated_bytes()
             + self.textures.allocated_bytes()
+            + self.around.allocated_bytes()
     }
 
     /// Fills the slot's buffers with what the view sees, or with all there is; the GPU has finished with the slot.
@@ -117,20 +121,25 @@ impl SceneData {
         plan: &Plan,
         size: [u32; 2],
         cull: bool,
-    ) -> Seen {
+    ) -> Written {
         let Self { objects, lights, light_lists, ambient_nt, .. } = self;
         let scene = Everything { objects, lights, light_lists, ambient_nt: *ambient_nt };
         self.frames[slot].write(view, plan, size, scene, cull)
     }
 
     /// Binds what a batch's draw reads, unless `bound` says that it is bound already.
-    pub(super) fn bind_mesh(&self, recorder: &Recorder<'_>, batch: &Batch, bound: &mut BoundMesh) -> usize {
+    pub(super) fn bind_mesh(
+        &self,
+        recorder: &Recorder<'_>,
+        batch: &Batch,
+        bound: &mut BoundMesh,
+        changes: &mut StateChanges,
+    ) {
         const MOST_STREAMS: usize = 5;
         let range = &self.geometry.meshes()[batch.mesh];
         let (Some(vertices), Some(indices)) = (self.geometry.vertices(), self.geometry.indices()) else {
-            return 0;
+            return;
         };
-        let mut changes = 0;
         let (device, raw) = (recorder.device().raw(), recorder.raw());
         if bound.group != Some(range.group) {
             let offsets = &self.geometry.groups()[range.group].offsets_bytes;
@@ -138,7 +147,7 @@ impl SceneData {
             // SAFETY: both lists are of one length, and offsets lie inside the buffer.
             unsafe { device.cmd_bind_vertex_buffers(raw, 0, &buffers[..offsets.len()], offsets) };
             bound.group = Some(range.group);
-            changes += 1;
+            changes.vertex_buffers += 1;
         }
         if bound.index_width != Some(range.index_width) {
             let offset = self.geometry.index_offset_bytes(range.index_width);
@@ -147,12 +156,12 @@ impl SceneData {
                 device.cmd_bind_index_buffer(raw, indices.raw(), offset, range.index_width.index_type())
             };
             bound.index_width = Some(range.index_width);
-            changes += 1;
+            changes.index_buffers += 1;
         }
-        changes
     }
 
-    pub(super) fn draw(&self, recorder: &Recorder<'_>, batch: &Batch) {
+    /// Draws what is seen of a batch.
+    pub(super) fn draw(&self, recorder: &Recorder<'_>, batch: &Batch, counts: &mut FrameCounts) {
         let range = &self.geometry.meshes()[batch.mesh];
         // SAFETY: `bind_mesh` bound the buffers, and the ranges lie inside them.
         unsafe {
@@ -165,6 +174,8 @@ impl SceneData {
                 batch.visible.start,
             );
         }
+        counts.draws += 1;
+        counts.triangles += u64::from(range.index_count / 3) * batch.visible.len() as u64;
     }
 
     /// One set per frame slot and family.
@@ -175,9 +186,13 @@ impl SceneData {
         let Some(sets) = DescriptorSets::new(device, &wanted, "frame")? else { return Ok(()) };
         for (index, (_, bindings)) in wanted.iter().enumerate() {
             for &(binding, ty, ..) in *bindings {
+                if let Some(content) = self.around.content(binding) {
+                    sets.write(index, binding, ty, &content);
+                    continue;
+                }
                 let frame = &self.frames[index / self.families.len()];
                 let buffer = match binding {
-                    _ if ty == vk::DescriptorType::UNIFORM_BUFFER => Some(&frame.uniforms),
+                    b if b == const { shared("BINDING_FRAME") } => Some(&frame.uniforms),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
                     b if b == const { shared("BINDING_LIGHTS") } => Some(&frame.lights),
                     _ => frame.light_lists.as_ref(),
@@ -251,7 +266,8 @@ pub(super) struct BoundMesh {
     index_width: Option<super::IndexWidth>,
 }
 
-fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
+/// The kind of surface that a pipeline draws.
+pub(super) fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
     match &plan.pipelines[pipeline].1 {
         Pipeline::Surface(kind) => kind,
         other => unreachable!("batches are made for surfaces, not for {other:?}"),

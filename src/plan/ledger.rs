@@ -124,10 +124,8 @@ pub struct DeviceFigures {
     pub cpu_light_lists_ms: Option<f64>,
     /// Pipeline statistics of the last frame: name and count.
     pub statistics: Vec<(String, Figure)>,
-    /// Draw calls of a frame.
-    pub draws: usize,
-    /// Pipeline, descriptor set and buffer bindings of a frame.
-    pub state_changes: usize,
+    /// What the last frame's commands consist of.
+    pub frame: super::FrameCounts,
     /// Frames rendered.
     pub frames: usize,
     /// Bytes of device memory that the renderer allocated, transient attachments excluded.

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use crate::scene::{Light, LightKind};
+use super::globe::globe_color;
+use crate::scene::{Image, Light, LightKind};
 
 /// The inverse square law holds down to this distance: a light within 0.1 mm of a surface gets no brighter.
 pub const MIN_DISTANCE_M: f64 = 1e-4;
@@ -94,8 +95,18 @@ pub fn light_hemisphere(n_dot_up: f64, color_lx: DVec3, ground_lx: DVec3) -> DVe
     ground_lx.lerp(color_lx, 0.5 + 0.5 * n_dot_up)
 }
 
-/// The light that arrives at a point from one direction, nothing standing in the way; none of hemispheres.
-pub fn incident(light: &Light, position_world: DVec3) -> Incident {
+/// The light that arrives at a point from one direction, nothing but its globe map standing in the way; none of
+/// hemispheres. `images` are the scene's. Light from behind does not come through the globe map.
+pub fn incident(light: &Light, images: &[Image], position_world: DVec3) -> Incident {
+    let incident = bare(light, position_world);
+    if incident.illuminance == DVec3::ZERO {
+        return incident;
+    }
+    Incident { illuminance: incident.illuminance * globe_color(light, images, position_world), ..incident }
+}
+
+/// [`incident`] without globe map.
+fn bare(light: &Light, position_world: DVec3) -> Incident {
     let color = light.color.as_dvec3();
     let back = light.back_color.as_dvec3();
     let place = light.position_world.as_dvec3();
@@ -189,11 +200,11 @@ mod tests {
         let mut lamp = Light::new(LightKind::Point { intensity_cd: 1.0 });
         lamp.position_world = glam::Vec3::ZERO;
         for radius in [0.01, 1.0, 50.0] {
-            let at = incident(&lamp, DVec3::new(0.0, radius, 0.0));
+            let at = incident(&lamp, &[], DVec3::new(0.0, radius, 0.0));
             assert!((at.illuminance.x * 4.0 * PI * radius * radius / (4.0 * PI) - 1.0).abs() < 1e-12);
             assert_eq!(at.to_light, DVec3::NEG_Y);
         }
-        assert!(incident(&lamp, DVec3::ZERO).illuminance.is_finite());
+        assert!(incident(&lamp, &[], DVec3::ZERO).illuminance.is_finite());
     }
 
     #[test]
@@ -201,14 +212,14 @@ mod tests {
         let mut lamp = Light::new(LightKind::Directional { illuminance_lx: 3.0 });
         lamp.color = glam::Vec3::new(1.0, 0.5, 0.0);
         lamp.direction_world = glam::Vec3::NEG_Y;
-        let at = incident(&lamp, DVec3::splat(1e3));
+        let at = incident(&lamp, &[], DVec3::splat(1e3));
         assert_eq!((at.to_light, at.illuminance), (DVec3::Y, DVec3::new(3.0, 1.5, 0.0)));
 
         lamp.kind = LightKind::Spot { intensity_cd: 8.0, inner_cone_rad: 0.1, outer_cone_rad: 0.5 };
         lamp.position_world = glam::Vec3::new(0.0, 2.0, 0.0);
-        let below = incident(&lamp, DVec3::ZERO);
+        let below = incident(&lamp, &[], DVec3::ZERO);
         assert!((below.illuminance - DVec3::new(2.0, 1.0, 0.0)).length() < 1e-12);
-        assert_eq!(incident(&lamp, DVec3::new(0.0, 4.0, 0.0)).illuminance, DVec3::ZERO);
-        assert_eq!(incident(&lamp, DVec3::new(3.0, 0.0, 0.0)).illuminance, DVec3::ZERO);
+        assert_eq!(incident(&lamp, &[], DVec3::new(0.0, 4.0, 0.0)).illuminance, DVec3::ZERO);
+        assert_eq!(incident(&lamp, &[], DVec3::new(3.0, 0.0, 0.0)).illuminance, DVec3::ZERO);
     }
 }

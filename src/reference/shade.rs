@@ -7,24 +7,25 @@ use glam::DVec3;
 use super::brdf::brdf;
 use super::gbuffer::Attributes;
 use super::punctual::{diffuse_irradiance, incident};
-use crate::scene::Light;
+use crate::scene::Scene;
 
-/// Reflected light of all `lights` in cd/m², before exposure: for each, BRDF * n·l * illuminance (glTF 2.0
+/// Reflected light of all the scene's lights in cd/m², before exposure: for each, BRDF * n·l * illuminance (glTF 2.0
 /// appendix B), plus base colour / pi * irradiance of what is diffuse by definition (back colours, hemispheres; Koonce
 /// 2007, 19.4.1). Zero where the surface is not lit.
 ///
 /// `to_viewer` is the unit vector from the surface to the viewer, world space.
-pub fn reflected(attributes: &Attributes, to_viewer: DVec3, lights: &[Light]) -> DVec3 {
+pub fn reflected(attributes: &Attributes, to_viewer: DVec3, scene: &Scene) -> DVec3 {
     if !attributes.lit {
         return DVec3::ZERO;
     }
     let n = attributes.normal_world;
     let lambert = attributes.base_color * (1.0 - attributes.metallic) * FRAC_1_PI;
-    lights
+    scene
+        .lights
         .iter()
         .filter(|light| !light.is_dark())
         .map(|light| {
-            let incident = incident(light, attributes.position_world);
+            let incident = incident(light, &scene.images, attributes.position_world);
             let diffuse = lambert * diffuse_irradiance(light, &incident, n);
             let n_dot_l = n.dot(incident.to_light);
             if n_dot_l <= 0.0 || incident.illuminance == DVec3::ZERO {
@@ -37,6 +38,6 @@ pub fn reflected(attributes: &Attributes, to_viewer: DVec3, lights: &[Light]) ->
 
 /// Exposed light towards the viewer: what the surface sends by itself and what it reflects, times `exposure`
 /// (the multiplier 2^EV).
-pub fn shade(attributes: &Attributes, to_viewer: DVec3, lights: &[Light], exposure: f64) -> DVec3 {
-    (attributes.prelit + reflected(attributes, to_viewer, lights)) * exposure
+pub fn shade(attributes: &Attributes, to_viewer: DVec3, scene: &Scene, exposure: f64) -> DVec3 {
+    (attributes.prelit + reflected(attributes, to_viewer, scene)) * exposure
 }

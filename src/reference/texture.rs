@@ -47,15 +47,31 @@ pub fn sample(scene: &Scene, slot: &TextureRef, texcoord: DVec2, encoding: Encod
     let texture = &scene.textures[slot.texture];
     let image = &scene.images[texture.image];
     let row = |k: usize| slot.uv_from_texcoord[k].as_dvec3().dot(texcoord.extend(1.0));
-    let size = DVec2::new(f64::from(image.width), f64::from(image.height));
-    let place = DVec2::new(row(0), row(1)) * size;
-    let (wrap_u, wrap_v) = (texture.sampler.wrap_u, texture.sampler.wrap_v);
-    let at =
-        |i: f64, j: f64| texel(image, wrap(i, image.width, wrap_u), wrap(j, image.height, wrap_v), encoding);
+    let uv = DVec2::new(row(0), row(1));
+    let wraps = [texture.sampler.wrap_u, texture.sampler.wrap_v];
     if !texture.sampler.mag_linear {
-        let nearest = place.floor();
-        return at(nearest.x, nearest.y);
+        let nearest = (uv * size(image)).floor();
+        return wrapped(image, nearest, wraps, encoding);
     }
+    filtered(image, uv, wraps, encoding)
+}
+
+/// The colour at a texture coordinate, linearly between texels; edges go on.
+pub fn bilinear(image: &Image, uv: DVec2, encoding: Encoding) -> DVec4 {
+    filtered(image, uv, [Wrap::ClampToEdge; 2], encoding)
+}
+
+fn size(image: &Image) -> DVec2 {
+    DVec2::new(f64::from(image.width), f64::from(image.height))
+}
+
+fn wrapped(image: &Image, at: DVec2, [u, v]: [Wrap; 2], encoding: Encoding) -> DVec4 {
+    texel(image, wrap(at.x, image.width, u), wrap(at.y, image.height, v), encoding)
+}
+
+fn filtered(image: &Image, uv: DVec2, wraps: [Wrap; 2], encoding: Encoding) -> DVec4 {
+    let place = uv * size(image);
+    let at = |x: f64, y: f64| wrapped(image, DVec2::new(x, y), wraps, encoding);
     let base = (place - 0.5).floor();
     let weight = place - 0.5 - base;
     let upper = at(base.x, base.y).lerp(at(base.x + 1.0, base.y), weight.x);

@@ -100,13 +100,14 @@ impl Default for Shadow {
 pub struct GlobeMap {
     /// What is shone through.
     pub picture: GlobePicture,
-    /// Turns the picture within the light's frame: about the way the light travels for spot and box lights, clockwise as
-    /// the light sees it; about +Y for point lights. Radians.
+    /// Turns the picture within the light's frame, right-handed: about +Z for spot and box lights (counter-clockwise as the
+    /// light sees it), about +Y for point lights. Radians.
     pub rotation_rad: f32,
 }
 
-/// The picture of a [`GlobeMap`]: sRGB colours, alpha ignored, sampled linearly.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The picture of a [`GlobeMap`]: sRGB colours, alpha ignored, sampled linearly. Lights of other kinds than named here
+/// shine as without.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum GlobePicture {
     /// For spot and box lights, upright as the light sees it: it spans the square around a spot's outer cone (up to
     /// [`GlobeMap::MOST_CONE_RAD`]; beyond, its edge goes on), or a box's face.
@@ -166,6 +167,17 @@ impl Light {
             | LightKind::Hemisphere { illuminance_lx } => illuminance_lx,
             LightKind::Point { intensity_cd } | LightKind::Spot { intensity_cd, .. } => intensity_cd,
         }
+    }
+
+    /// Its globe map, if it is of a kind that shines through one.
+    pub fn shown_globe_map(&self) -> Option<GlobeMap> {
+        self.globe_map.filter(|map| match self.kind {
+            LightKind::Point { .. } => matches!(map.picture, GlobePicture::Cube { .. }),
+            LightKind::Spot { .. } | LightKind::Box { .. } => {
+                matches!(map.picture, GlobePicture::Flat { .. })
+            }
+            LightKind::Directional { .. } | LightKind::Hemisphere { .. } => false,
+        })
     }
 
     /// Whether surfaces that face away from it get light too.

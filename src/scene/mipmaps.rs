@@ -127,12 +127,12 @@ fn encode(texels: &[Texel], srgb: bool) -> Vec<u8> {
 }
 
 /// IEC 61966-2-1, decoding.
-fn linear_from_srgb(encoded: f64) -> f64 {
+pub(super) fn linear_from_srgb(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
 /// IEC 61966-2-1, encoding.
-fn srgb_from_linear(linear: f32) -> f32 {
+pub(super) fn srgb_from_linear(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 

@@ -6,6 +6,7 @@
 mod budget;
 mod camera;
 mod environment;
+mod globe_layers;
 mod gltf;
 mod light;
 mod material;
@@ -14,6 +15,7 @@ mod mipmaps;
 
 pub use camera::{Camera, Projection};
 pub use environment::Environment;
+pub use globe_layers::GlobeLayers;
 pub use light::{GlobeMap, GlobePicture, Light, LightKind, Shadow};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
@@ -41,6 +43,8 @@ pub struct Scene {
     pub images: Vec<Image>,
     /// Lights without extent.
     pub lights: Vec<Light>,
+    /// Whether `lights` are those that [`Scene::load`] adds where a file has none.
+    pub has_default_lights: bool,
     /// Radiance that arrives from every direction alike, in cd/m², linear Rec.709. Zero means none.
     pub ambient_nt: Vec3,
     /// Radiance from far away, in addition to `ambient_nt`.

@@ -6,7 +6,7 @@ use super::super::descriptor::Binding;
 use super::super::shader::shared;
 use super::super::{Device, Owned};
 use crate::Result;
-use crate::plan::{Pipeline, Plan};
+use crate::plan::{Around, Pipeline, Plan};
 
 /// Pipelines that take the same descriptor sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,10 +31,13 @@ const FRAME: u32 = shared("BINDING_FRAME");
 const INSTANCES: u32 = shared("BINDING_INSTANCES");
 const LIGHTS: u32 = shared("BINDING_LIGHTS");
 const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
+const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
+const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
+const RADIANCE: u32 = shared("BINDING_RADIANCE");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 5] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -42,6 +45,9 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 5] = {
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
         (LIGHTS, T::STORAGE_BUFFER, both),
         (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
+        (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
@@ -60,6 +66,14 @@ impl Family {
             Pipeline::LightMask(_) | Pipeline::LightVolume(_) => &[FRAME, LIGHTS, VOLUMES],
             Pipeline::Tonemap => &[FRAME],
         };
+        let around: &[u32] = match pipeline {
+            Pipeline::Surface(kind) => match kind.around {
+                Around::Nothing => &[],
+                Around::Ambient => &[SPLIT_SUM],
+                Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
+            },
+            _ => &[],
+        };
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
             Pipeline::LightMask(_) => SecondSet::Nothing,
@@ -70,7 +84,7 @@ impl Family {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
-        Self { frame: frame.iter().fold(0, |bits, binding| bits | 1 << binding), second }
+        Self { frame: frame.iter().chain(around).fold(0, |bits, binding| bits | 1 << binding), second }
     }
 
     /// Whether the second set is a material's.

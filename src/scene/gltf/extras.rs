@@ -81,6 +81,10 @@ impl<'a> Extra<'a> {
         Ok(Extras { members: values.iter().map(member).collect::<Result<_>>()? })
     }
 
+    pub fn text(&self) -> Result<&str> {
+        self.value.as_str().ok_or_else(|| self.must_be("a text"))
+    }
+
     pub fn bool(&self) -> Result<bool> {
         self.value.as_bool().ok_or_else(|| self.must_be("true or false"))
     }

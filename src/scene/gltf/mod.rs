@@ -7,6 +7,7 @@
 mod accessor;
 mod defaults;
 mod document;
+mod environment;
 mod extras;
 mod image;
 mod light;
@@ -34,15 +35,26 @@ use pose::Skin;
 /// World coordinates beyond this (metres) would overflow f32 where lengths are squared.
 const MAX_COORDINATE_M: f32 = 1e15;
 
+/// What [`Scene::warnings`] say of lights that no file has.
+const DEFAULT_LIGHTS: &str = "scene: it has no lights; a default key and fill light were added";
+
 impl Scene {
+    /// Takes away the lights that [`Self::load`] added because the file has none: for a scene that is lit otherwise.
+    pub fn drop_default_lights(&mut self) {
+        if std::mem::take(&mut self.has_default_lights) {
+            self.lights.clear();
+            self.warnings.retain(|warning| warning != DEFAULT_LIGHTS);
+        }
+    }
+
     /// Loads a glTF 2.0 file (`.gltf` or `.glb`) with the buffers and images that it uses.
     ///
     /// The scene is the file's default one (else the first, else all nodes), as it stands without animations:
     /// morph targets at their default weights, skins at rest. Only what is drawn is kept. Normals and tangents
     /// are made where a material needs them and the file has none (flat ones; MikkTSpace).
     ///
-    /// A file without a camera gets one named `default` that shows everything. A file without lights gets, if
-    /// anything in it can be lit, a key light of 3 lx over the right shoulder of camera 0 and a fill light of
+    /// A file without a camera gets one named `default` that shows everything. A file without lights and environment gets,
+    /// if anything in it can be lit, a key light of 3 lx over the right shoulder of camera 0 and a fill light of
     /// 0.8 lx from its lower left. [`Scene::warnings`] tells what was left out, replaced or added.
     ///
     /// # Errors
@@ -80,10 +92,12 @@ impl Scene {
         if scene.cameras.is_empty() {
             scene.cameras.push(defaults::camera(bounds));
         }
+        scene.environment = environment::read_environment(&doc)?;
         let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
-        if scene.lights.is_empty() && is_lit {
+        if scene.lights.is_empty() && scene.environment.is_none() && is_lit {
             scene.lights = defaults::lights(&scene.cameras[0]);
-            scene.warnings.push("scene: it has no lights; a default key and fill light were added".into());
+            scene.has_default_lights = true;
+            scene.warnings.push(DEFAULT_LIGHTS.into());
         }
         Ok(scene)
     }

@@ -155,6 +155,7 @@ impl Chart {
                 let name = groups.get(x.round().max(0.0) as usize);
                 name.filter(|_| (x - x.round()).abs() < 1e-6).cloned().unwrap_or_default()
             })
+            .y_label_formatter(&|y| short(*y))
             .disable_x_mesh()
             .light_line_style(WHITE.mix(0.0))
             .bold_line_style(BLACK.mix(0.12))
@@ -258,6 +259,9 @@ fn padded(values: impl Iterator<Item = f64>, factor: f64) -> Range<f64> {
 
 /// Three significant digits, without trailing zeros.
 fn short(x: f64) -> String {
+    if x == 0.0 {
+        return "0".into();
+    }
     let digits = (2 - x.abs().max(1e-3).log10().floor() as i32).max(0) as usize;
     let text = format!("{x:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }

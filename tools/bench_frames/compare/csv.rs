@@ -8,7 +8,7 @@ use super::data::{Outcome, Report};
 pub fn csv(report: &Report) -> String {
     let mut csv = String::from(
         "device,driver,clock,table,row,x,width,height,way,frame_ms,first_quartile_ms,third_quartile_ms,rounds,\
-         record_ms,first_draws,draws,state_changes,objects,lights,refused\n",
+         record_ms,first_draws,draws,state_changes,objects,lights,plan,refused\n",
     );
     for (run, table, row, cell) in report.cells() {
         let clock = serde_json::to_string(&run.clock).unwrap_or_default();
@@ -32,18 +32,19 @@ pub fn csv(report: &Report) -> String {
                 }
                 let _ = writeln!(
                     csv,
-                    "{},{:.4},{},{},{},{},{},",
+                    "{},{:.4},{},{},{},{},{},{},",
                     m.frame_ms.len(),
                     m.record_ms,
                     m.first_draws,
                     m.draws,
                     m.state_changes,
                     m.objects,
-                    m.lights
+                    m.lights,
+                    quoted(&m.plan)
                 );
             }
             Outcome::Refused(reason) => {
-                let _ = writeln!(csv, "{}{}", ",".repeat(10), quoted(reason));
+                let _ = writeln!(csv, "{}{}", ",".repeat(11), quoted(reason));
             }
         }
     }

@@ -61,7 +61,19 @@ pub struct Row {
     /// The place on the chart's axis.
     pub x: f64,
     pub size: [u32; 2],
+    /// What `auto` would do; `None` where the build or the device has no such choice.
+    #[serde(default)]
+    pub auto: Option<Auto>,
     pub cells: Vec<Cell>,
+}
+
+/// A plan's choices for a row's scene.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Auto {
+    /// Of all paths.
+    pub path: String,
+    /// The way of lights, deferred.
+    pub lights: String,
 }
 
 /// One way.
@@ -96,6 +108,8 @@ pub struct Measured {
     /// Objects and lights of the last frame that culling left.
     pub objects: usize,
     pub lights: usize,
+    /// The path and the way of lights that the plan came to.
+    pub plan: String,
 }
 
 /// The tables of a report, in its order.

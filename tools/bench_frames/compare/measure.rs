@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use ontile::gpu::{Device, DeviceType, Offscreen, PipelineCache, RendererConfig, View};
 use ontile::picture::Pixels;
-use ontile::plan::{Needs, Options, OutputFormat, Plan};
+use ontile::plan::{LightWay, Needs, Options, OutputFormat, Path, Plan};
 use ontile::scene::Scene;
 use ontile::{Error, Result};
 
 use super::super::host::Host;
-use super::data::{Cell, Clock, Measured, Outcome, Row};
+use super::data::{Auto, Cell, Clock, Measured, Outcome, Row};
 use super::maths::median;
 
 /// Frames before the first that counts: drivers compile and allocate in them, and shadow maps are drawn.
@@ -53,26 +53,38 @@ pub fn clock(device: &Device) -> Clock {
 /// # Errors
 /// What happens after a way has drawn its first frames; what prevents that is told in the way's cell.
 pub fn case(device: &Device, case: &Case, effort: Effort) -> Result<Row> {
-    let mut hosts: Vec<_> = case.ways.iter().map(|way| Racer::new(device, way, case.size)).collect();
+    let mut racers: Vec<_> = case.ways.iter().map(|way| Racer::new(device, way, case.size)).collect();
     let start = Instant::now();
     for round in 0..effort.rounds {
         if round >= LEAST_ROUNDS && start.elapsed().as_secs_f64() > effort.seconds {
             break;
         }
         // Each goes first as often as the others, and follows its neighbours on either side alike.
-        let count = hosts.len();
+        let count = racers.len();
         for turn in 0..count {
             let turn = if round % 2 == 0 { turn } else { count - 1 - turn };
-            if let Ok(racer) = &mut hosts[(round + turn) % count] {
+            if let Ok(racer) = &mut racers[(round + turn) % count] {
                 racer.frame(clock(device))?;
             }
         }
     }
-    let cells = case.ways.iter().zip(hosts).map(|(way, racer)| Cell {
+    let cells = case.ways.iter().zip(racers).map(|(way, racer)| Cell {
         way: way.name.clone(),
         outcome: racer.map_or_else(|reason| Outcome::Refused(reason.to_string()), Racer::finish),
     });
-    Ok(Row { label: case.label.clone(), x: case.x, size: case.size, cells: cells.collect() })
+    let Case { label, x, size, ways } = case;
+    let auto = ways.first().and_then(|way| auto(device, &way.scene, *size));
+    Ok(Row { label: label.clone(), x: *x, size: *size, auto, cells: cells.collect() })
+}
+
+/// What `auto` would choose.
+fn auto(device: &Device, scene: &Scene, size: [u32; 2]) -> Option<Auto> {
+    let plan = |path| {
+        let options = Options { size, path, lights: LightWay::Auto, ..Options::default() };
+        Plan::new(Needs::of(scene), options, &device.caps().limits()).ok()
+    };
+    let (path, lights) = (plan(Path::Auto)?.path, plan(Path::Deferred)?.light_way);
+    Some(Auto { path: path.name().into(), lights: lights.name().into() })
 }
 
 /// A way that is being measured.
@@ -92,7 +104,7 @@ impl Racer {
         for frame in 0..WARM_UP {
             racer.frame(Clock::Wall)?;
             if frame == 0 {
-                racer.measured.first_draws = racer.host.renderer.recorded().draws;
+                racer.measured.first_draws = racer.host.renderer.recorded().counts.draws;
             }
         }
         racer.measured.frame_ms.clear();
@@ -112,13 +124,14 @@ impl Racer {
     }
 
     fn finish(self) -> Outcome {
-        let recorded = self.host.renderer.recorded();
+        let (counts, plan) = (self.host.renderer.recorded().counts, self.host.renderer.plan());
         Outcome::Measured(Measured {
             record_ms: rounded(median(&self.record_ms).unwrap_or_default()),
-            draws: recorded.draws,
-            state_changes: recorded.state_changes,
-            objects: recorded.objects,
-            lights: recorded.lights,
+            draws: counts.draws,
+            state_changes: counts.state_changes.total(),
+            objects: counts.objects.visible,
+            lights: counts.lights.visible,
+            plan: format!("{}, {}", plan.path, plan.light_way),
             ..self.measured
         })
     }

@@ -102,10 +102,12 @@ fn measure_all(args: &Compare) -> Result<Run> {
         if !args.only.is_empty() && !args.only.contains(&name) {
             continue;
         }
+        // Counts are the same in every round.
+        let rounds = if name == TableName::Draws { 1 } else { effort.rounds };
         let mut rows = Vec::new();
         for case in tables::cases(name, device, &settings)? {
             eprintln!("measuring {}: {} ...", name.name(), case.label);
-            rows.push(measure::case(device, &case, effort)?);
+            rows.push(measure::case(device, &case, Effort { rounds, ..effort })?);
         }
         run.put(Table { name, rows });
     }

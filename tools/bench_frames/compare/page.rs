@@ -8,6 +8,11 @@ use super::findings::{Verdict, findings, floating_cost_ms, targets};
 use super::rules::{Rule, rules};
 use super::tables::LIGHT_WAYS;
 
+/// A device's name, harmless in tables.
+fn name_of(run: &Run) -> String {
+    run.short_name().replace('|', r"\|")
+}
+
 /// What a table is about.
 pub fn heading(name: TableName) -> &'static str {
     match name {
@@ -37,12 +42,13 @@ pub fn page(report: &Report) -> String {
         let _ = writeln!(
             page,
             "- **{}** ({}): {}, {} rounds",
-            run.short_name(),
+            name_of(run),
             run.driver,
             run.clock.describe(),
             if least >= most { most.to_string() } else { format!("{least} to {most}") }
         );
     }
+    in_short(&mut page, report);
     where_each_wins(&mut page, report);
     target_table(&mut page, report);
     conclusions(&mut page, report);
@@ -53,16 +59,12 @@ pub fn page(report: &Report) -> String {
     names.dedup();
     for name in names {
         let _ = writeln!(page, "\n### {}\n", heading(name));
-        for run in &report.runs {
-            if charts(run).iter().any(|(known, _)| *known == name) {
-                let _ = writeln!(
-                    page,
-                    "![{} on {}]({}.svg)\n",
-                    heading(name),
-                    run.short_name(),
-                    chart_name(name, run)
-                );
-            }
+        let shown = report.runs.iter().filter(|run| charts(run).iter().any(|(known, _)| *known == name));
+        let shown: Vec<_> = shown
+            .map(|run| format!("![{} on {}]({}.svg)", heading(name), name_of(run), chart_name(name, run)))
+            .collect();
+        if !shown.is_empty() {
+            let _ = writeln!(page, "{}\n", shown.join(" "));
         }
         for run in &report.runs {
             if let Some(table) = run.table(name) {
@@ -84,10 +86,32 @@ pub fn chart_name(name: TableName, run: &Run) -> String {
     format!("{}-{device}", name.name())
 }
 
+/// How many conclusions hold, and how many targets are met.
+fn in_short(page: &mut String, report: &Report) {
+    *page += "\n";
+    for run in &report.runs {
+        let findings = findings(run);
+        let known = findings.iter().filter(|f| f.verdict != Verdict::Unknown).count();
+        let count = |verdict| findings.iter().filter(|f| f.verdict == verdict).count();
+        let (hold, partly, fail) = (count(Verdict::Holds), count(Verdict::Partly), count(Verdict::Fails));
+        let targets = targets(run);
+        let met = targets.iter().filter(|t| t.met == Some(true)).count();
+        let _ = write!(
+            page,
+            "On {}, of {known} conclusions of 2007 that were measured {hold} hold, {partly} hold in part and {fail} do not",
+            name_of(run)
+        );
+        let _ = match targets.len() {
+            0 => writeln!(page, "."),
+            all => writeln!(page, "; {met} of {all} targets are met."),
+        };
+    }
+}
+
 fn where_each_wins(page: &mut String, report: &Report) {
     let all: Vec<(&Run, Vec<Rule>)> = report.runs.iter().map(|run| (run, rules(run))).collect();
     *page += "\n## Where each wins\n\n| | question |";
-    all.iter().for_each(|(run, _)| *page += &format!(" {} |", run.short_name()));
+    all.iter().for_each(|(run, _)| *page += &format!(" {} |", name_of(run)));
     *page += "\n|---|---|";
     all.iter().for_each(|_| *page += "---|");
     *page += "\n";
@@ -117,14 +141,13 @@ fn target_table(page: &mut String, report: &Report) {
     *page += "\n## Targets\n\n| device | what | limit | measured | |\n|---|---|---|---|---|\n";
     for (run, t) in rows {
         let met = t.met.map_or("not measured", |met| if met { "**met**" } else { "**not met**" });
-        let _ =
-            writeln!(page, "| {} | {} | {} | {} | {met} |", run.short_name(), t.what, t.limit, t.measured);
+        let _ = writeln!(page, "| {} | {} | {} | {} | {met} |", name_of(run), t.what, t.limit, t.measured);
     }
 }
 
 fn conclusions(page: &mut String, report: &Report) {
     *page += "\n## What \"Deferred versus forward shading\" concluded, and what is left of it\n\n| conclusion | there |";
-    report.runs.iter().for_each(|run| *page += &format!(" {} |", run.short_name()));
+    report.runs.iter().for_each(|run| *page += &format!(" {} |", name_of(run)));
     *page += "\n|---|---|";
     report.runs.iter().for_each(|_| *page += "---|");
     *page += "\n";
@@ -167,7 +190,7 @@ fn numbers(page: &mut String, run: &Run, table: &Table) {
         Some(first) if sizes.iter().all(|s| s == first) => format!(", {} x {}", first[0], first[1]),
         _ => String::new(),
     };
-    let _ = write!(page, "| {}{size}: {unit} |", run.short_name());
+    let _ = write!(page, "| {}{size}: {unit} |", name_of(run));
     shown.iter().for_each(|way| *page += &format!(" {way} |"));
     *page += "\n|---|";
     shown.iter().for_each(|_| *page += "---|");
@@ -220,7 +243,7 @@ fn refusals(page: &mut String, report: &Report) {
     let mut told: Vec<(String, Vec<String>)> = Vec::new();
     for (run, table, _, cell) in report.cells() {
         let Outcome::Refused(reason) = &cell.outcome else { continue };
-        let reason = format!("{}: {reason}", run.short_name());
+        let reason = format!("{}: {reason}", name_of(run));
         let what = format!("{} ({})", table.name.name(), cell.way);
         match told.iter_mut().find(|(known, _)| *known == reason) {
             Some((_, list)) if list.contains(&what) => {}

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::data::{Run, Table, TableName};
+use super::data::{Auto, Row, Run, Table, TableName};
 use super::maths::{Series, Winner, winners};
 use super::tables::{DEFERRED, FORWARD, LIGHT_WAYS, MULTIPASS};
 
@@ -16,6 +16,8 @@ pub struct Rule {
     pub winners: Vec<Winner>,
     /// Where the sweep ended.
     pub until: f64,
+    /// How much dearer than the best `auto` is where it is worst, and that place.
+    pub auto_at_worst: Option<(f64, f64)>,
 }
 
 /// All sweeps of a run.
@@ -38,9 +40,28 @@ pub fn rules(run: &Run) -> Vec<Rule> {
         let xs: Vec<f64> = table.rows.iter().map(|row| row.x).collect();
         let series = if question == ways { of_ways(table, &LIGHT_WAYS) } else { of_paths(table) };
         let winners = winners(&xs, &series);
-        (!winners.is_empty()).then(|| Rule { question, table: name, axis, winners, until: xs[xs.len() - 1] })
+        let choice = if question == ways {
+            |auto: &Auto| auto.lights.clone()
+        } else {
+            |auto: &Auto| auto.path.clone()
+        };
+        let auto_at_worst = at_worst(table, &series, choice);
+        let until = *xs.last()?;
+        (!winners.is_empty()).then_some(Rule { question, table: name, axis, winners, until, auto_at_worst })
     })
     .collect()
+}
+
+/// The most that a choice costs over the best, and where.
+fn at_worst(table: &Table, series: &[Series<'_>], choice: fn(&Auto) -> String) -> Option<(f64, f64)> {
+    let ratio = |(i, row): (usize, &Row)| {
+        let costs = || series.iter().filter_map(|(name, costs)| Some((*name, costs[i]?)));
+        let best = costs().map(|(_, ms)| ms).min_by(f64::total_cmp)?;
+        let chosen = choice(row.auto.as_ref()?);
+        let (_, ms) = costs().find(|(name, _)| *name == chosen)?;
+        Some((ms / best, row.x))
+    };
+    table.rows.iter().enumerate().filter_map(ratio).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 fn of_ways<'a>(table: &Table, ways: &[&'a str]) -> Vec<Series<'a>> {
@@ -73,6 +94,13 @@ impl Rule {
         }
         if self.winners.len() == 1 {
             text += &format!(" throughout (up to {} {})", round(self.until), self.axis);
+        }
+        if let Some((ratio, place)) = self.auto_at_worst {
+            let percent = (ratio - 1.0) * 100.0;
+            text += &match percent {
+                p if p < 0.5 => "; `auto` is the best everywhere".to_owned(),
+                p => format!("; `auto` costs at most {p:.0} % more (at {} {})", round(place), self.axis),
+            };
         }
         text
     }

@@ -1,6 +1,6 @@
 //! Statements follow from data: made-up runs whose answers are known.
 
-use super::data::{Cell, Clock, Measured, Outcome, Report, Row, Run, Table, TableName};
+use super::data::{Auto, Cell, Clock, Measured, Outcome, Report, Row, Run, Table, TableName};
 use super::findings::{Verdict, findings, floating_cost_ms, targets};
 use super::measure::rounded;
 use super::page::page;
@@ -17,7 +17,13 @@ fn cell(way: &str, ms: f64) -> Cell {
 }
 
 fn row(label: &str, x: f64, size: [u32; 2], costs: &[(&str, f64)]) -> Row {
-    Row { label: label.into(), x, size, cells: costs.iter().map(|(way, ms)| cell(way, *ms)).collect() }
+    Row {
+        label: label.into(),
+        x,
+        size,
+        auto: None,
+        cells: costs.iter().map(|(way, ms)| cell(way, *ms)).collect(),
+    }
 }
 
 fn run(device: &str, tables: Vec<Table>) -> Run {
@@ -73,7 +79,7 @@ fn conclusions_follow_from_the_numbers() {
     assert_eq!(verdict(&here, "Indoors with several lights deferred is faster"), Verdict::Partly);
     let findings = findings(&here);
     let evidence = &findings[2].evidence;
-    assert!(evidence.contains("1.32 [1.32, 1.32] at 800 x 600"), "{evidence}");
+    assert!(evidence.starts_with("1.32 (800 x 600), 0.89 (1600 x 1200)"), "{evidence}");
 }
 
 #[test]
@@ -81,7 +87,7 @@ fn a_floating_light_costs_what_the_frame_without_it_does_not() {
     let costs = [(VOLUMES, 5.0), (STENCIL, 3.2)];
     let mut all: Vec<_> = costs.iter().map(|(way, ms)| cell(way, *ms)).collect();
     all.extend(costs.iter().map(|(way, _)| cell(&format!("{way}, {WITHOUT}"), 3.0)));
-    let row = Row { label: String::new(), x: 0.0, size: [4, 3], cells: all };
+    let row = Row { label: String::new(), x: 0.0, size: [4, 3], auto: None, cells: all };
     let cost = floating_cost_ms(&row, STENCIL).unwrap();
     // 0.2 times the median of the noise.
     assert!((cost - 0.202).abs() < 1e-9, "{cost}");
@@ -121,7 +127,13 @@ fn targets_are_judged_on_their_device_at_their_size_only() {
 
 #[test]
 fn rules_name_the_crossovers() {
-    let run = run("somewhere", vec![sweep(TableName::Lights, [1920, 1080], |n| 1.5 + 0.01 * n)]);
+    let mut table = sweep(TableName::Lights, [1920, 1080], |n| 1.5 + 0.01 * n);
+    for row in &mut table.rows {
+        // Right but at 4 lights, where volumes cost 1.5 and clusters 1.54; and never forward.
+        let lights = if row.x < 4.0 { VOLUMES } else { CLUSTERS };
+        row.auto = Some(Auto { path: DEFERRED.into(), lights: lights.into() });
+    }
+    let run = run("somewhere", vec![table]);
     let rules = rules(&run);
     let names = |i: usize| rules[i].winners.iter().map(|w| w.name.as_str()).collect::<Vec<_>>();
     assert_eq!(rules.len(), 2);
@@ -131,6 +143,10 @@ fn rules_name_the_crossovers() {
     // Deferred in its best way, 1.5 + 0.01 n, against 2 + 0.005 n: level at 100.
     assert_eq!(names(1), [DEFERRED, FORWARD]);
     assert!((64.0..130.0).contains(&rules[1].winners[1].from), "{:?}", rules[1]);
+    let (ratio, place) = rules[0].auto_at_worst.unwrap();
+    assert!((ratio - 1.54 / 1.5).abs() < 1e-3 && place == 4.0, "{ratio} at {place}");
+    // 1.5 + 0.01 n over 2 + 0.005 n at 1024.
+    assert!((rules[1].auto_at_worst.unwrap().0 - 11.74 / 7.12).abs() < 1e-3);
     assert!(rules[0].describe().starts_with("volumes, from "), "{}", rules[0].describe());
 }
 
@@ -144,7 +160,7 @@ fn merged_reports_show_devices_side_by_side() {
     assert_eq!(report.runs.len(), 2);
     assert_eq!(report.runs[0].tables[0].rows[0].ms(DEFERRED), Some(3.03));
     let page = page(&report);
-    assert!(page.contains("| | question | First GPU | Second"), "{page}");
+    assert!(page.contains(r"| | question | First GPU | Second \| GPU |"), "{page}");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("comparison.json");
     report.write(&path).unwrap();
