@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::{Around, EnvironmentNeed};
 use crate::scene::{AlphaMode, Light, LightKind, Material, Mesh, Scene, TextureRef};
 use crate::visible::Reach;
-use super::{Around, EnvironmentNeed};
-use crate::scene::{AlphaMode, LightKind, Material, Mesh, Scene, TextureRef};
 
 /// The texture slots of a material, in the order of shader slots.
 pub const SLOTS: [&str; 5] = ["base colour", "metallic-roughness", "normal", "occlusion", "emissive"];

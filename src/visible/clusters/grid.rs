@@ -24,8 +24,8 @@ pub struct Grid {
     pub slice_bias: f32,
 }
 
-/// Tiles are of 32 pixels, unless the image has more than this many of them.
-const MOST_TILES: u32 = 2048;
+/// Tiles are of 32 pixels, unless the image has more than this many of them: 32 for 1280x720, 64 for 1920x1080.
+const MOST_TILES: u32 = 1024;
 const LEAST_TILE_SHIFT: u32 = 5;
 const MOST_SLICES: u32 = 24;
 /// Slices in front of this share of the farthest light's distance would be thinner than tiles are wide.
@@ -43,7 +43,7 @@ impl Grid {
             }
             Projection::Orthographic { ymag_m, znear_m, zfar_m, .. } => (false, znear_m, zfar_m, ymag_m),
         };
-        let mut grid = Self { tile_shift: std::env::var("T_SHIFT").map_or(LEAST_TILE_SHIFT, |v| v.parse().unwrap()), slices: 1, logarithmic, ..Self::default() };
+        let mut grid = Self { tile_shift: LEAST_TILE_SHIFT, slices: 1, logarithmic, ..Self::default() };
         grid.cut_tiles(size);
         while grid.columns * grid.rows > MOST_TILES {
             grid.tile_shift += 1;
@@ -56,7 +56,7 @@ impl Grid {
             // Slices at least as thick as tiles are high.
             let tile = 2.0 * half * (1 << grid.tile_shift) as f32 / size[1] as f32;
             let least = if logarithmic { tile.ln_1p() / std::f32::consts::LN_2 } else { tile };
-            grid.slices = (((last - first) / least) as u32).clamp(1, std::env::var("T_SLICES").map_or(MOST_SLICES, |v| v.parse().unwrap()));
+            grid.slices = (((last - first) / least) as u32).clamp(1, MOST_SLICES);
             grid.slice_scale = grid.slices as f32 / (last - first);
             grid.slice_bias = -first * grid.slice_scale;
         }
