@@ -9,6 +9,7 @@
 #include "gbuffer.glsl"
 #include "brdf.glsl"
 #include "light/direct.glsl"
+#include "fog.glsl"
 #include "tonemap.glsl"
 
 layout(constant_id = ID_FOLD) const bool FOLD = false;
@@ -28,15 +29,22 @@ void main() {
 #ifdef ONE_LIGHT
         vec3 light = vec3(0.0);
         if (is_lit_from(varying_light, surface, position)) {
-            light = light_reflected(varying_light, surface, position, v);
+            light = light_reflected(varying_light, surface, reflector(surface, v), position);
         }
 #else
         vec3 light = direct_light(surface, position, v);
 #endif
         exposed_light = light * frame.exposure;
+        if (FOG) {
+            exposed_light = fogged(exposed_light, position_world(surface.depth));
+        }
     }
     // Pixels that are not lit add 0. `discard` would save tilers nothing, since blending stays on the tile, but it
     // makes a fragment's coverage depend on its shader, which costs Mali its early kills and PowerVR its deferral.
-    // Folded, there is no one else to write the background: tonemapped 0, as tonemap.frag would.
-    target_output = FOLD ? output_color(exposed_light) : vec4(exposed_light * frame.light_scale, 0.0);
+    // Folded, there is no one else to write the background: the surfaces that are not lit.
+    if (FOLD) {
+        target_output = BACKGROUND && !surface.lit ? background_color() : output_color(exposed_light);
+    } else {
+        target_output = vec4(exposed_light * frame.light_scale, 0.0);
+    }
 }

@@ -11,6 +11,8 @@
 #define BINDING_INSTANCES 1
 #define BINDING_LIGHTS 2
 #define BINDING_CLUSTERS 3
+#define BINDING_SHADOW_VIEWS 4
+#define BINDING_SHADOW_MAP 5
 #define BINDING_SPLIT_SUM 8
 #define BINDING_ENVIRONMENT 9
 #define BINDING_RADIANCE 10
@@ -23,6 +25,7 @@
 #define INPUT_NORMAL_ROUGHNESS 1
 #define INPUT_BASE_COLOR_METALLIC 2
 #define INPUT_LIGHT 0
+#define INPUT_FOG_DEPTH 1
 
 // Vertex attribute locations.
 #define ATTRIBUTE_POSITION 0
@@ -68,8 +71,20 @@
 #define ID_HAS_BOX 20
 #define ID_HAS_HEMISPHERE 21
 #define ID_HAS_BACK 22
-#define ID_RGBM 40
 #define ID_VOLUME_SHAPE 23
+#define ID_BACKGROUND 24
+#define ID_BACKGROUND_RED 25
+#define ID_BACKGROUND_GREEN 26
+#define ID_BACKGROUND_BLUE 27
+#define ID_FOG 28
+#define ID_FOG_RED 29
+#define ID_FOG_GREEN 30
+#define ID_FOG_BLUE 31
+#define ID_FOG_DENSITY 32
+#define ID_FOG_BASE 33
+#define ID_FOG_INVERSE_HEIGHT 34
+#define ID_RGBM 40
+#define ID_SHADOW_FILTER 48
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0
@@ -78,6 +93,12 @@
 #define KIND_OCCLUSION 3
 #define KIND_EMISSIVE 4
 #define KIND_COUNT 5
+
+// Values of the constant SHADOW_FILTER.
+#define SHADOW_FILTER_HARDWARE 0
+#define SHADOW_FILTER_GRID3 1
+#define SHADOW_FILTER_GRID5 2
+#define SHADOW_FILTER_JITTERED 3
 
 // Values of the constant TONEMAP.
 #define TONEMAP_NEUTRAL 0

@@ -4,6 +4,8 @@ mod common;
 
 use common::render::{Gpu, difference, on_device, on_device_with_faults};
 use common::scenes;
+use ontile::glam::Vec3;
+use ontile::gpu::{RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{Layout, Limits, Needs, Options, OutputFormat, Path, Plan, Strategy, Tonemap};
 use ontile::scene::Scene;
@@ -55,13 +57,18 @@ fn each_case(mut check: impl FnMut(Tonemap, OutputFormat)) {
     }
 }
 
+const FORWARD: [Path; 2] = [Path::Forward, Path::ForwardMultipass];
+
 #[test]
 fn forward_looks_like_deferred() {
     on_device(None, |gpu| {
         let check = |scene: &Scene, tonemap, output| {
             let of = |path| picture(gpu, scene, Options { tonemap, output, ..options(path) });
-            let far = beyond_rounding(&of(Path::Deferred), &of(Path::Forward));
-            assert_eq!(far, None, "{}, {tonemap}, {output}", scene.name);
+            let deferred = of(Path::Deferred);
+            for path in FORWARD {
+                let far = beyond_rounding(&deferred, &of(path));
+                assert_eq!(far, None, "{}, {path}, {tonemap}, {output}", scene.name);
+            }
         };
         scenes::built().iter().for_each(|scene| each_case(|tonemap, output| check(scene, tonemap, output)));
         let exact = (Tonemap::Neutral, OutputFormat::Rgba32Float);
@@ -72,22 +79,63 @@ fn forward_looks_like_deferred() {
 #[test]
 fn arrangements_of_forward_do_not_change_the_pixels() {
     type Change = fn(Options) -> Options;
-    const CHANGES: [(&str, Change); 6] = [
+    const CHANGES: [(&str, Change); 5] = [
         ("separate", |o| Options { strategy: Strategy::Separate, ..o }),
         ("depth pre-pass", |o| Options { depth_prepass: true, ..o }),
         ("separate, depth pre-pass", |o| Options { strategy: Strategy::Separate, depth_prepass: true, ..o }),
         ("not recycled", |o| Options { recycle: false, ..o }),
-        ("another layout", |o| Options { layout: Layout::Metallic128, ..o }),
         ("output not an input attachment", |o| Options { output_is_input_attachment: false, ..o }),
     ];
     on_device(None, |gpu| {
-        for scene in all_scenes() {
-            let expected = picture(gpu, &scene, options(Path::Forward));
+        for (scene, path) in all_scenes().iter().flat_map(|s| FORWARD.map(|path| (s, path))) {
+            let expected = picture(gpu, scene, options(path));
+            let same = |name: &str, options| {
+                let changed = picture(gpu, scene, options);
+                assert_eq!(difference(&expected, &changed), None, "{}, {path}, {name}", scene.name);
+            };
             for (name, change) in CHANGES {
-                let changed = picture(gpu, &scene, change(options(Path::Forward)));
-                assert_eq!(difference(&expected, &changed), None, "{}, {name}", scene.name);
+                same(name, change(options(path)));
+            }
+            match path {
+                Path::Forward => same("layout", Options { layout: Layout::Metallic128, ..options(path) }),
+                _ => same("no illumination sets", Options { illumination_sets: false, ..options(path) }),
             }
         }
+    });
+}
+
+/// Small lights over the floor and the objects of [`scenes::every_feature`]: each reaches few objects.
+fn many_lights() -> Scene {
+    let mut scene = Scene { name: "many_lights".into(), ..scenes::every_feature() };
+    for i in 0..40 {
+        let mut light = scene.lights[1 + i % 2].clone();
+        let [x, z] = [i % 8, i / 8].map(|c| c as f32 * 0.7 - 2.4);
+        light.position_world = Vec3::new(x, 0.3, z);
+        light.range_m = Some(0.5);
+        scene.lights.push(light);
+    }
+    scene
+}
+
+#[test]
+fn illumination_sets_save_draws_and_no_pixel_changes() {
+    on_device(None, |gpu| {
+        let scene = many_lights();
+        let draw = |path, illumination_sets| {
+            let plan = gpu.plan(&scene, Options { illumination_sets, ..options(path) });
+            let mut offscreen = gpu.offscreen(&scene, plan, RendererConfig::default());
+            offscreen.render(&View { camera: &scene.cameras[0], exposure_ev: 0.0 }).unwrap();
+            (offscreen.picture(), offscreen.renderer().recorded())
+        };
+        let (deferred, _) = draw(Path::Deferred, true);
+        let (with, few) = draw(Path::ForwardMultipass, true);
+        let (without, all) = draw(Path::ForwardMultipass, false);
+        assert_eq!(difference(&with, &without), None);
+        assert_eq!(beyond_rounding(&deferred, &with), None);
+        // 7 materials make 7 draws, of which 6 are lit, and tonemap makes one; without sets each light adds those 6.
+        assert_eq!(all.counts.draws, 7 + 6 * all.counts.lights.visible + 1, "{all:?}");
+        println!("{} draws with illumination sets, {} without", few.counts.draws, all.counts.draws);
+        assert!(few.counts.draws * 2 < all.counts.draws, "{few:?} of {all:?}");
     });
 }
 
@@ -101,11 +149,15 @@ fn what_rounding_does_not_explain_is_seen() {
             for light in 0..scene.lights.len() {
                 let mut fewer = scene.clone();
                 fewer.lights.remove(light);
-                let far = beyond_rounding(&deferred, &of(&fewer, Path::Forward));
-                assert!(far.is_some(), "{tonemap}, {output}: light {light} is not missed");
+                for path in FORWARD {
+                    let far = beyond_rounding(&deferred, &of(&fewer, path));
+                    assert!(far.is_some(), "{path}, {tonemap}, {output}: light {light} is not missed");
+                }
             }
-            let dark = Scene { ambient_nt: ontile::glam::Vec3::ZERO, ..scene.clone() };
-            assert!(beyond_rounding(&deferred, &of(&dark, Path::Forward)).is_some(), "ambient light");
+            let dark = Scene { ambient_nt: Vec3::ZERO, ..scene.clone() };
+            for path in FORWARD {
+                assert!(beyond_rounding(&deferred, &of(&dark, path)).is_some(), "{path}: ambient light");
+            }
         });
     });
 }
@@ -119,6 +171,21 @@ fn forward_holds_the_output_and_nothing_else() {
         assert!(colors[0].is_output && colors[0].format.bits() == 32);
         assert_eq!((plan.passes.len(), plan.stage_count()), (1, 1));
     }
+}
+
+#[test]
+fn multipass_adds_lights_on_the_tile() {
+    for scene in
+        scenes::built().into_iter().filter(|s| Needs::of(s).listed_lights() > 0 && Needs::of(s).lit.is_some())
+    {
+        let plan = Plan::new(Needs::of(&scene), options(Path::ForwardMultipass), &Limits::default()).unwrap();
+        assert_eq!((plan.passes.len(), plan.stage_count()), (1, 3), "{}", scene.name);
+        assert!(plan.attachments.iter().all(|a| a.is_output || a.transient));
+    }
+    // Nothing to add, nothing to add to.
+    let plan =
+        Plan::new(Needs::of(&scenes::no_lights()), options(Path::ForwardMultipass), &Limits::default());
+    assert_eq!(plan.unwrap().path, Path::Forward);
 }
 
 #[test]

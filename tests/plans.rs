@@ -57,6 +57,10 @@ fn printed() -> Vec<(String, String)> {
             "every_feature_forward_prepass".into(),
             plan(&features, Options { depth_prepass: true, ..forward() }),
         ),
+        (
+            "every_feature_multipass".into(),
+            plan(&features, Options { path: Path::ForwardMultipass, ..default() }),
+        ),
         ("environment".into(), plan(&scenes::environment(), default())),
         ("environment_forward".into(), plan(&scenes::environment_alone(), forward())),
         ("lit_clusters".into(), plan(&lights, by(LightWay::Clusters))),
@@ -69,6 +73,10 @@ fn printed() -> Vec<(String, String)> {
         ("no_lights_clusters".into(), plan(&scenes::no_lights(), by(LightWay::Clusters))),
         ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
         ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),
+        ("foggy".into(), plan(&scenes::foggy(), default())),
+        ("foggy_separate".into(), plan(&scenes::foggy(), separate())),
+        ("foggy_lights".into(), plan(&scenes::foggy_lights(), default())),
+        ("foggy_unlit".into(), plan(&scenes::foggy_unlit(), default())),
     ];
     for scene in scenes::shipped() {
         for &strategy in Strategy::ALL {

@@ -8,11 +8,12 @@ mod reflect;
 mod shader_manifest;
 
 use ontile::gpu::shader::{
-    GeometryConstants, LightLoop, LightingConstants, Module, OutputConstants, Specialization, embedded_names,
-    shared,
+    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, Specialization,
+    embedded_names, shared,
 };
 use ontile::gpu::shared::{
-    ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, MaterialData,
+    ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush, MaterialData,
+    ShadowPush, ShadowViewData,
 };
 use ontile::plan::Tonemap;
 use reflect::{Block, Reflection, block};
@@ -132,7 +133,7 @@ fn names_are_unique_and_unknown_keys_are_errors() {
     assert!(tangent_only.spirv().unwrap_err().to_string().contains("geometry_t.vert"));
 }
 
-fn blocks() -> [Block; 6] {
+fn blocks() -> [Block; 9] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -173,12 +174,18 @@ fn blocks() -> [Block; 6] {
                 up_world,
                 falloff,
                 back_intensity,
-                padding_0,
+                shadow,
                 half_size,
-                padding_1,
+                padding,
             }
         ),
+        block!("LightPush" = LightPush { light }),
         block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
+        block!(
+            "ShadowView" =
+                ShadowViewData { map_from_world, tile, texel_m, spread_texels, offset_texels, lift_texels }
+        ),
+        block!("ShadowPush" = ShadowPush { clip_from_world, nearest_depth }),
         block!("Environment" = EnvironmentUniforms { irradiance, rotation, scale, last_level }),
     ]
 }
@@ -200,8 +207,8 @@ fn shared_structs_have_the_shaders_offsets() {
 
 #[test]
 fn wrong_offsets_are_reported() {
-    let frag =
-        Module::Lighting { layout: ontile::plan::Layout::Exact, lights: LightLoop::All }.spirv().unwrap();
+    let lights = LightInputs { scan: LightLoop::All, shadows: false };
+    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, lights }.spirv().unwrap();
     let light = &blocks()[3];
 
     // Rust's side: two members change places, one is forgotten.
@@ -257,7 +264,8 @@ fn interfaces_have_the_numbers_of_shared_h() {
 fn wrong_interfaces_are_reported() {
     let numbers = shared_numbers();
     let nutc = Module::GeometryVertex { normal: true, texcoord: true, tangent: true, color: true };
-    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, lights: LightLoop::All };
+    let lights = LightInputs { scan: LightLoop::All, shadows: false };
+    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, lights };
     for (module, decoration) in [
         (nutc, Decoration::Location),
         (nutc, Decoration::DescriptorSet),
@@ -287,6 +295,8 @@ fn fragments_read_what_vertices_write() {
             let (Module::GeometryFragment { textured, .. }
             | Module::Unlit { textured }
             | Module::Forward { textured, .. }
+            | Module::Base { textured, .. }
+            | Module::Light { textured, .. }
             | Module::Mask { textured }) = *fragment
             else {
                 continue;
@@ -324,19 +334,24 @@ fn vertices_have_the_attributes_of_their_key() {
 /// A value for every constant that the typed builders know for this module.
 fn specialization(module: Module) -> Specialization {
     let geometry = GeometryConstants::default().specialization();
-    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false };
+    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false, background: None, fog: None };
     match module {
-        Module::GeometryVertex { .. } | Module::Fullscreen => Specialization::default(),
+        Module::GeometryVertex { .. } | Module::Fullscreen | Module::ShadowVertex { .. } => {
+            Specialization::default()
+        }
         Module::LightVolume => Specialization::volume(0),
         Module::GeometryFragment { .. } | Module::Mask { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
-        Module::Forward { .. } => {
-            geometry.and(LightingConstants { fold: Some(output), ..Default::default() }.specialization())
+        Module::Forward { .. } | Module::Base { .. } | Module::Light { .. } => {
+            let shadow_filter = Some(ontile::plan::ShadowFilter::Grid3);
+            let lighting = LightingConstants { fold: Some(output), shadow_filter, ..Default::default() };
+            geometry.and(lighting.specialization())
         }
         Module::Lighting { .. } => {
-            LightingConstants { fold: Some(output), ..Default::default() }.specialization()
+            let shadow_filter = Some(ontile::plan::ShadowFilter::Grid3);
+            LightingConstants { fold: Some(output), shadow_filter, ..Default::default() }.specialization()
         }
-        Module::Tonemap => output.specialization(),
+        Module::Tonemap { .. } => output.specialization(),
     }
 }
 

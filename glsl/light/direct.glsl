@@ -5,6 +5,9 @@
 #ifdef CLUSTERS
 #include "light/clusters.glsl"
 #endif
+#ifdef SHADOWS
+#include "light/shadow.glsl"
+#endif
 
 layout(constant_id = ID_HAS_DIRECTIONAL) const bool HAS_DIRECTIONAL = false;
 layout(constant_id = ID_HAS_POINT) const bool HAS_POINT = false;
@@ -18,9 +21,9 @@ vec3 reflected_diffuse(Surface surface, vec3 irradiance) {
     return surface.base_color * ((1.0 - surface.metallic) / PI) * irradiance;
 }
 
-// What a surface at `position` reflects of one light towards `v`, both world space: cd/m^2. The light's kind follows from
-// its place in the list.
-vec3 light_reflected(uint i, Surface surface, vec3 position, vec3 v) {
+// What a surface at `position` reflects of one light, world space: cd/m^2. The light's kind follows from its place in the
+// list.
+vec3 light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
     uint point_begin = frame.light_counts.x;
     uint spot_begin = point_begin + frame.light_counts.y;
     uint box_begin = spot_begin + frame.light_counts.z;
@@ -35,7 +38,13 @@ vec3 light_reflected(uint i, Surface surface, vec3 position, vec3 v) {
         incident = light_point(lights[i], position);
     }
     float n_dot_l = dot(surface.normal_world, incident.direction);
-    vec3 bsdf = brdf(surface, surface.normal_world, v, incident.direction);
+#ifdef SHADOWS
+    if (lights[i].shadow != 0u && n_dot_l > 0.0 && incident.illuminance != vec3(0.0)) {
+        incident.illuminance *= shadow(
+            lights[i].shadow, lights[i].position_world, position, surface.normal_world, incident.direction);
+    }
+#endif
+    vec3 bsdf = brdf(r, incident.direction, clamp(n_dot_l, 0.0, 1.0));
     vec3 sum = bsdf * (incident.illuminance * max(n_dot_l, 0.0));
     if (HAS_BACK) {
         sum += reflected_diffuse(surface, incident.back * max(-n_dot_l, 0.0));
@@ -57,35 +66,31 @@ bool is_lit_from(uint i, Surface surface, vec3 position) {
 
 #ifdef CLUSTERS
 
-// The first place from `next` to `end` in the lists whose light may add something.
-uint next_listed(uint next, uint end, Surface surface, vec3 position) {
-    while (next < end && !is_lit_from(clusters.words[next], surface, position)) {
-        ++next;
-    }
-    return next;
-}
-
 // What a surface at `position` reflects of the lights listed for its cell.
-vec3 listed_light(Surface surface, vec3 position, vec3 v) {
+vec3 listed_light(Surface surface, Reflector r, vec3 position) {
     vec3 sum = vec3(0.0);
     uvec2 list = cluster_list(position);
-    // Each pixel of a group looks for its own next light, so that the group evaluates the BRDF as often as the pixel
-    // with the most lights needs it. A branch around the BRDF would save less, and nothing where pixels are only
-    // masked: lavapipe leaves loops early, but no branch.
-    for (uint next = list.x; (next = next_listed(next, list.y, surface, position)) < list.y; ++next) {
-        sum += light_reflected(clusters.words[next], surface, position, v);
+    for (uint next = list.x; next < list.y; ++next) {
+        uint i = clusters.words[next];
+        // Neighbours nearly always agree.
+        if (is_lit_from(i, surface, position)) {
+            sum += light_reflected(i, surface, r, position);
+        }
     }
     return sum;
 }
 
 #endif
 
+// What a surface reflects of the lights that the list does not have, since they come from everywhere at once: cd/m^2.
+vec3 unlisted_light(Surface surface) {
+    return HAS_HEMISPHERE ? reflected_diffuse(surface, light_hemispheres(surface.normal_world)) : vec3(0.0);
+}
+
 // What a surface at `position` reflects of all lights towards `v`, both world space: cd/m^2.
 vec3 direct_light(Surface surface, vec3 position, vec3 v) {
-    vec3 sum = vec3(0.0);
-    if (HAS_HEMISPHERE) {
-        sum += reflected_diffuse(surface, light_hemispheres(surface.normal_world));
-    }
+    Reflector r = reflector(surface, v);
+    vec3 sum = unlisted_light(surface);
     uvec4 counts = frame.light_counts * uvec4(HAS_DIRECTIONAL, HAS_POINT, HAS_SPOT, HAS_BOX);
 #ifdef CLUSTERS
     uint everywhere = counts.x;
@@ -93,10 +98,10 @@ vec3 direct_light(Surface surface, vec3 position, vec3 v) {
     uint everywhere = counts.x + counts.y + counts.z + counts.w;
 #endif
     for (uint i = 0u; i < everywhere; ++i) {
-        sum += light_reflected(i, surface, position, v);
+        sum += light_reflected(i, surface, r, position);
     }
 #ifdef CLUSTERS
-    sum += listed_light(surface, position, v);
+    sum += listed_light(surface, r, position);
 #endif
     return sum;
 }

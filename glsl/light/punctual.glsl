@@ -11,9 +11,9 @@ struct Light {
     vec3 up_world;        // the light's +Y
     float falloff;        // of a box, metres
     vec3 back_intensity;  // lux on surfaces that face away
-    uint padding_0;
+    uint shadow;          // shadow.glsl; 0: none
     vec3 half_size;       // of a box, metres
-    uint padding_1;
+    uint padding;
 };
 
 // Directional lights first, then point, spot, box: frame.light_counts.

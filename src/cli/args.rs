@@ -7,8 +7,13 @@ use std::str::FromStr;
 use clap::Args;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use ontile::environment::TexelFormat;
+use ontile::glam::Vec3;
 use ontile::picture::FileFormat;
-use ontile::plan::{Layout, LightWay, Options, OutputFormat, Path, Strategy, Tonemap};
+use ontile::plan::{
+    Layout, LightWay, Options, OutputFormat, Path, ShadowFilter, ShadowFormat, ShadowOptions, Strategy,
+    Tonemap,
+};
+use ontile::scene::{Background, FogHeight};
 
 /// What is looked at.
 #[derive(Args, Debug)]
@@ -24,6 +29,20 @@ pub struct SceneArgs {
     /// Light from every direction alike, in cd/m² [default: the scene's own]
     #[arg(long, value_name = "RADIANCE", value_parser = radiance, allow_negative_numbers = true)]
     pub ambient: Option<f32>,
+    /// What is seen where there is no surface: a colour in sRGB, which neither exposure nor tone curve change
+    /// [default: the scene's own, else black]
+    #[arg(long, value_name = "#RRGGBB", value_parser = background)]
+    pub background: Option<Background>,
+    /// Fog: the share of light that is lost per metre; 0 is none [default: the scene's own]
+    #[arg(long, value_name = "DENSITY", value_parser = fog_density, allow_negative_numbers = true)]
+    pub fog: Option<f32>,
+    /// The fog's radiance in cd/m² [default: the scene's own, else 0.5,0.6,0.7]
+    #[arg(long, value_name = "R,G,B", value_parser = fog_color, allow_hyphen_values = true)]
+    pub fog_color: Option<Vec3>,
+    /// World height in metres at which --fog is meant, and metres upwards over which fog gets thinner by a factor e [default: the
+    /// scene's own, else fog is alike at all heights]
+    #[arg(long, value_name = "BASE,SCALE", value_parser = fog_height, allow_hyphen_values = true)]
+    pub fog_height: Option<FogHeight>,
     /// Light from far away: an equirectangular .hdr or .exr picture of radiance in cd/m², or what 'ontile bake environment' made
     /// of one [default: the scene's own, else none]
     #[arg(long, value_name = "FILE")]
@@ -67,6 +86,10 @@ pub struct PlanArgs {
     /// Draw the depth of all surfaces first, so that no pixel is shaded twice [default: off]
     #[arg(long)]
     pub depth_prepass: bool,
+    /// On the path forward-multipass, draw all objects for each light, not only those that it reaches [default: draw
+    /// those]
+    #[arg(long)]
+    pub no_illumination_sets: bool,
     /// How an environment's radiance is stored, unless the file says so: rgbm, b10g11r11 and e5b9g9r9 take 4 bytes a texel,
     /// rgba16f 8
     #[arg(long, value_name = "NAME", default_value_t = TexelFormat::E5B9G9R9, value_parser = named(TexelFormat::ALL, TexelFormat::name))]
@@ -74,6 +97,22 @@ pub struct PlanArgs {
     /// How lights reach pixels
     #[arg(long, value_name = "WAY", default_value_t = LightWay::Fullscreen, value_parser = named(LightWay::ALL, LightWay::name))]
     pub lights: LightWay,
+    /// How many texels of the shadow map a pixel compares with: the nearest four; 3x3 or 5x5 samples over each light's
+    /// spread; or a dozen on a disc that is turned by another angle in each pixel
+    #[arg(long, value_name = "NAME", default_value_t = ShadowFilter::Grid3, value_parser = named(ShadowFilter::ALL, ShadowFilter::name))]
+    pub shadow_filter: ShadowFilter,
+    /// How the shadow map stores depth
+    #[arg(long, value_name = "NAME", default_value_t = ShadowFormat::D32, value_parser = named(ShadowFormat::ALL, ShadowFormat::name))]
+    pub shadow_format: ShadowFormat,
+    /// Side of the shadow map at most, in texels; lights that do not fit get less of it, the least important first
+    #[arg(long, value_name = "TEXELS", default_value_t = 4096)]
+    pub shadow_map: u32,
+    /// Side of a light's part of it; a point light has six of half the side [default: a texel a pixel]
+    #[arg(long, value_name = "TEXELS")]
+    pub shadow_tile: Option<u32>,
+    /// Cascades of a directional light at most
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=4))]
+    pub cascades: u32,
     /// The curve from scene light to display light; linear is none
     #[arg(long, default_value_t = Tonemap::Neutral, value_parser = named(Tonemap::ALL, Tonemap::name))]
     pub tonemap: Tonemap,
@@ -100,7 +139,15 @@ impl PlanArgs {
             layout: self.layout,
             path: self.path,
             depth_prepass: self.depth_prepass,
+            illumination_sets: !self.no_illumination_sets,
             lights: self.lights,
+            shadows: ShadowOptions {
+                filter: self.shadow_filter,
+                format: self.shadow_format,
+                most_texels: self.shadow_map,
+                tile_texels: self.shadow_tile,
+                cascades: self.cascades,
+            },
             tonemap: self.tonemap,
             output,
             recycle: !self.no_recycle,
@@ -167,7 +214,7 @@ impl Output {
 }
 
 /// A parser for one of the library's named enums that lists the names in help and errors.
-fn named<T>(all: &'static [T], name: fn(T) -> &'static str) -> impl TypedValueParser<Value = T>
+pub fn named<T>(all: &'static [T], name: fn(T) -> &'static str) -> impl TypedValueParser<Value = T>
 where
     T: FromStr<Err = String> + Copy + Send + Sync + 'static,
 {
@@ -182,13 +229,44 @@ fn exposure(text: &str) -> Result<f32, String> {
     }
 }
 
-fn radiance(text: &str) -> Result<f32, String> {
+/// A radiance in cd/m².
+pub fn radiance(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(nt) if nt >= 0.0 && nt.is_finite() => Ok(nt),
         _ => Err("give a radiance in cd/m², 0 or more".into()),
     }
 }
 
+fn background(text: &str) -> Result<Background, String> {
+    Background::from_hex(text).ok_or_else(|| "give a colour as six hexadecimal digits, as in #87ceeb".into())
+}
+
+fn fog_density(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(density) if density >= 0.0 && density.is_finite() => Ok(density),
+        _ => Err("give a share per metre, 0 or more".into()),
+    }
+}
+
+fn fog_color(text: &str) -> Result<Vec3, String> {
+    match numbers::<3>(text) {
+        Some(color) if color.iter().all(|c| *c >= 0.0) => Ok(Vec3::from_array(color)),
+        _ => Err("give three radiances in cd/m², 0 or more, as in 0.5,0.6,0.7".into()),
+    }
+}
+
+fn fog_height(text: &str) -> Result<FogHeight, String> {
+    match numbers::<2>(text) {
+        Some([base_m, scale_m]) if scale_m > 0.0 => Ok(FogHeight { base_m, scale_m }),
+        _ => Err("give two numbers of metres, the second above 0, as in 0,5".into()),
+    }
+}
+
+/// Finite numbers with commas between.
+fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
+    let parsed: Vec<f32> = text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
+    parsed.try_into().ok().filter(|list: &[f32; N]| list.iter().all(|x| x.is_finite()))
+}
 fn degrees(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(degrees) if degrees.is_finite() => Ok(degrees),

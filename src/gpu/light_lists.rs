@@ -45,6 +45,11 @@ impl LightLists {
         }
     }
 
+    /// Of the lights that the frame sees, in their order.
+    pub(super) fn reaches(&self) -> &[Reach] {
+        &self.reaches
+    }
+
     /// To be filled with what the frame sees.
     pub(super) fn reaches_mut(&mut self) -> &mut Vec<Reach> {
         &mut self.reaches

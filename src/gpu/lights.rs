@@ -2,6 +2,7 @@
 
 use super::convert;
 use super::shared::LightData;
+use crate::plan::ShadowMap;
 use crate::scene::{Light, LightKind};
 use crate::visible::{Frustum, Reach};
 use crate::{Error, Result};
@@ -27,12 +28,16 @@ struct Placed {
     data: LightData,
     /// `None` of a dark light.
     reach: Option<Reach>,
+    shadow_tiles: u32,
 }
 
 impl Placed {
-    fn new(light: &Light) -> Self {
+    /// `shadow_tiles` is the light's part of the shadow map, as shaders know it.
+    fn new(light: &Light, shadow_tiles: u32) -> Self {
         let reach = (!light.is_dark()).then(|| Reach::of(light));
-        Self { kind: kind_index(&light.kind), data: convert::light(light), reach }
+        let shadow = if light.shadow.is_some() { shadow_tiles } else { 0 };
+        let data = LightData { shadow, ..convert::light(light) };
+        Self { kind: kind_index(&light.kind), data, reach, shadow_tiles }
     }
 
     /// Whether it needs shaders that light surfaces from behind.
@@ -53,8 +58,9 @@ fn kind_index(kind: &LightKind) -> usize {
 }
 
 impl Lights {
-    pub(super) fn new(lights: &[Light]) -> Self {
-        let placed: Vec<_> = lights.iter().map(Placed::new).collect();
+    pub(super) fn new(lights: &[Light], shadow_map: Option<&ShadowMap>) -> Self {
+        let reference = |light| shadow_map.map_or(0, |map| map.reference(light));
+        let placed: Vec<_> = lights.iter().zip(0..).map(|(l, i)| Placed::new(l, reference(i))).collect();
         let mut planned = [false; KINDS];
         placed.iter().filter(|l| l.reach.is_some()).for_each(|l| planned[l.kind] = true);
         let mut order: Vec<_> = (0..placed.len()).filter(|&i| planned[placed[i].kind]).collect();
@@ -82,7 +88,7 @@ impl Lights {
                 format!("use an index below {lights}, the number of the scene's lights"),
             )
         })?;
-        let changed = Placed::new(light);
+        let changed = Placed::new(light, placed.shadow_tiles);
         if !light.is_sound() {
             return Err(Error::unsupported(
                 format!(

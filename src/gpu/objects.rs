@@ -5,9 +5,9 @@ use std::ops::Range;
 use super::convert;
 use super::scene_data::{surface, vertex_streams};
 use super::shared::InstanceData;
-use crate::plan::{Around, Pipeline, Plan, SurfaceKind};
+use crate::plan::{Around, Path, Pipeline, Plan, SurfaceKind};
 use crate::scene::{Aabb, Instance, Scene};
-use crate::visible::{Distances, DrawOrder, Sight, sort_key, sorted_index};
+use crate::visible::{Distances, DrawOrder, Reach, Sight, sort_key, sorted_index};
 use crate::{Error, Result};
 use glam::{Mat4, Vec4};
 
@@ -57,6 +57,8 @@ pub(super) struct Objects {
     batches: Vec<Batch>,
     order: DrawOrder,
     placed: Vec<Placed>,
+    /// Where the visible instances are, in the order of the instance buffer; `None` where nobody asks.
+    bounds_of_visible: Option<Vec<Aabb>>,
     elements: Vec<Element>,
     static_moves: u64,
     /// Room for the objects of the largest batch while they are sorted.
@@ -113,12 +115,15 @@ impl Objects {
                 }),
             }
         }
+        let asked = plan.path == Path::ForwardMultipass && plan.options.illumination_sets;
+        let bounds_of_visible = asked.then(|| Vec::with_capacity(placed.len()));
         let largest = batches.iter().map(|b| b.placed.len()).max().unwrap_or_default();
         Self {
             order: DrawOrder::new(&states(plan, &batches)),
             sorted: Vec::with_capacity(largest),
             batches,
             placed,
+            bounds_of_visible,
             elements,
             static_moves: 0,
         }
@@ -137,6 +142,16 @@ impl Objects {
     /// All batches, to give them their materials.
     pub(super) fn batches_mut(&mut self) -> &mut [Batch] {
         &mut self.batches
+    }
+
+    /// The first of these visible instances that a light reaches, and those that follow it without a gap; all where the
+    /// plan has no illumination sets.
+    pub(super) fn first_lit(&self, within: Range<u32>, reach: &Reach) -> Range<u32> {
+        let Some(bounds) = &self.bounds_of_visible else { return within };
+        let is_lit = |i: u32| !reach.misses_aabb(&bounds[i as usize]);
+        let start = within.clone().find(|&i| is_lit(i)).unwrap_or(within.end);
+        let end = (start..within.end).find(|&i| !is_lit(i)).unwrap_or(within.end);
+        start..end
     }
 
     /// Those of which something is seen, in the order in which they are drawn: those of one pipeline side by side, and
@@ -184,8 +199,9 @@ impl Objects {
     /// objects are. Without `cull` the others follow in each batch, so that the order of those in sight is the same.
     /// Returns how many it wrote.
     pub(super) fn write_visible(&mut self, sight: &Sight, cull: bool, out: &mut [InstanceData]) -> usize {
-        let Self { batches, order, placed, sorted, .. } = self;
+        let Self { batches, order, placed, sorted, bounds_of_visible, .. } = self;
         let mut end = 0;
+        bounds_of_visible.iter_mut().for_each(Vec::clear);
         for batch in &mut *batches {
             batch.distances = Distances::default();
             sorted.clear();
@@ -202,7 +218,9 @@ impl Objects {
             sorted.sort_unstable();
             let first = end;
             for &key in &*sorted {
-                out[end] = placed[sorted_index(key)].data;
+                let object = &placed[sorted_index(key)];
+                out[end] = object.data;
+                bounds_of_visible.iter_mut().for_each(|all| all.push(object.bounds_world));
                 end += 1;
             }
             batch.visible = first as u32..end as u32;

@@ -131,6 +131,11 @@ impl Offscreen {
         &self.renderer
     }
 
+    /// The renderer, to move what it draws.
+    pub fn renderer_mut(&mut self) -> &mut Renderer {
+        &mut self.renderer
+    }
+
     /// The ledger with what the device said about the frames so far.
     pub fn report(&self, scene: &Scene) -> Report {
         let plan = self.renderer.plan();
@@ -172,6 +177,7 @@ impl Offscreen {
             cpu_light_lists_ms: median_of(&|m| m.light_lists_ms),
             statistics: statistics.map(|(name, n)| (name.to_owned(), Figure::driver(n as f64))).collect(),
             frame: self.renderer.recorded().counts,
+            shadows: plan.shadow_map.is_some().then(|| self.renderer.recorded().shadows.figures()),
             frames: self.measured.len(),
             allocated_bytes: self.renderer.scene_bytes(),
             validation_messages: None,
@@ -212,6 +218,10 @@ fn decode(format: Format, texels: &[u8]) -> Vec<f32> {
                     .into_iter()
                     .chain([(w >> 30) as f32 / 3.0])
             })
+            .collect(),
+        Format::D16Unorm => texels
+            .chunks_exact(2)
+            .flat_map(|t| [f32::from(u16::from_le_bytes([t[0], t[1]])) / 65535.0, 0.0, 0.0, 0.0])
             .collect(),
         // Not read back: nothing keeps it.
         Format::D32FloatS8 | Format::D24UnormS8 => Vec::new(),

@@ -1,6 +1,7 @@
 //! The renderer: a plan made of Vulkan objects, and frames recorded with them.
 
-use std::ops::Range;
+mod record;
+
 use std::sync::Arc;
 
 use ash::vk;
@@ -8,14 +9,16 @@ use glam::Mat4;
 
 use super::pass::create_render_pass;
 use super::pipeline::Pipelines;
-use super::scene_data::{BoundMesh, SceneData};
+use super::scene_data::SceneData;
+use super::shadow::{RecordedShadows, ShadowResources, Shadows};
 use super::target::check_formats;
 use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
-use crate::plan::{FrameCounts, Needs, Pipeline, Plan, State, VolumeShape};
+use crate::plan::{FrameCounts, Needs, Plan, State};
 use crate::scene::{Light, Scene};
 use crate::{Error, Result};
+use record::Frame;
 
 /// How a [`Renderer`] is set up.
 #[derive(Clone, Copy, Debug)]
@@ -29,11 +32,20 @@ pub struct RendererConfig {
     pub stage_timestamps: bool,
     /// Leave out objects and lights that the view cannot see. Same pixels.
     pub cull: bool,
+    /// Tiles of the shadow map that one frame draws again at most, so that frames take alike. While a tile waits, its shadows
+    /// are those of when it was drawn last. Tiles that were never drawn do not wait.
+    pub shadow_tiles_per_frame: usize,
 }
 
 impl Default for RendererConfig {
     fn default() -> Self {
-        Self { frames_in_flight: 2, capture: false, stage_timestamps: false, cull: true }
+        Self {
+            frames_in_flight: 2,
+            capture: false,
+            stage_timestamps: false,
+            cull: true,
+            shadow_tiles_per_frame: usize::MAX,
+        }
     }
 }
 
@@ -54,6 +66,7 @@ pub struct Renderer {
     // In order of destruction.
     upload: Option<Upload>,
     queries: Queries,
+    shadows: Option<Shadows>,
     scene: SceneData,
     pipelines: Pipelines,
     /// Shared with the targets: their framebuffers are of these passes.
@@ -71,6 +84,8 @@ pub struct Recorded {
     pub counts: FrameCounts,
     /// CPU time of listing the lights of each part of the view; 0 where the plan has no light lists.
     pub light_lists: std::time::Duration,
+    /// The shadow map's part; its draws and state changes are not among the above.
+    pub shadows: RecordedShadows,
 }
 
 impl Renderer {
@@ -101,13 +116,22 @@ impl Renderer {
         let pipelines = Pipelines::new(device, &plan, &passes, cache)?;
         let mut upload = Upload::new(device);
         let slot_count = config.frames_in_flight.max(1);
-        let scene = SceneData::new(device, scene, &plan, &pipelines, slot_count, &mut upload)?;
+        let map = plan.shadow_map.as_ref();
+        let resources = map.map(|map| ShadowResources::new(device, map, slot_count)).transpose()?;
+        let data =
+            SceneData::new(device, scene, &plan, &pipelines, resources.as_ref(), slot_count, &mut upload)?;
+        let shadows = map.zip(resources).map(|(map, resources)| {
+            let most = config.shadow_tiles_per_frame;
+            Shadows::new(device, scene, (&plan, map), (resources, &data), most, cache)
+        });
+        let shadows = shadows.transpose()?;
         let timestamps = if config.stage_timestamps { plan.stage_count() + 1 } else { 2 };
         let queries = Queries::new(device, timestamps as u32, slot_count as u32)?;
         Ok(Self {
             upload: Some(upload),
             queries,
-            scene,
+            shadows,
+            scene: data,
             pipelines,
             passes,
             plan,
@@ -180,7 +204,7 @@ impl Renderer {
 
     /// Device memory of the scene's buffers and textures.
     pub fn scene_bytes(&self) -> u64 {
-        self.scene.allocated_bytes()
+        self.scene.allocated_bytes() + self.shadows.as_ref().map_or(0, Shadows::allocated_bytes)
     }
 
     /// Moves the scene's instance `index` for the frames recorded from now on. Those on the GPU go on as they are.
@@ -192,7 +216,11 @@ impl Renderer {
     /// [`Error::Unsupported`] if the scene has no such instance, the matrix is not affine and finite, or the instance would
     /// become mirrored or cease to be (its determinant's sign): that takes another pipeline. Nothing is changed then.
     pub fn set_instance(&mut self, index: usize, world_from_object: &Mat4) -> Result<()> {
-        self.scene.objects_mut().set(index, world_from_object)
+        self.scene.objects_mut().set(index, world_from_object)?;
+        if let Some(shadows) = &mut self.shadows {
+            shadows.set_instance(index, world_from_object);
+        }
+        Ok(())
     }
 
     /// How often an instance that is not dynamic was moved so far.
@@ -201,13 +229,29 @@ impl Renderer {
     }
 
     /// Changes the scene's light `index` for the frames recorded from now on: place, direction, colour, intensity, range
-    /// and cone. It may become dark and light up again.
+    /// and cone. It may become dark and light up again, and cease to cast a shadow; only a light that did when the plan was
+    /// made can begin to.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if the scene has no such light, a number is not finite, or it takes what the plan does not
     /// have: another kind, or light of a kind of which the scene had none that was not dark. Nothing is changed then.
     pub fn set_light(&mut self, index: usize, light: &Light) -> Result<()> {
-        self.scene.lights_mut().set(index, light)
+        if let Some(shadows) = &self.shadows {
+            shadows.check_light(index, light)?;
+        }
+        self.scene.lights_mut().set(index, light)?;
+        if let Some(shadows) = &mut self.shadows {
+            shadows.set_light(index, light);
+        }
+        Ok(())
+    }
+
+    /// Draws the shadow map anew with the next frame. Maps are kept on the assumption that the GPU executes every frame that
+    /// was recorded, in the order of recording; a host that drops one says so here.
+    pub fn redraw_shadows(&mut self) {
+        if let Some(shadows) = &mut self.shadows {
+            shadows.redraw();
+        }
     }
 
     /// Records a frame: no allocation, no wait, no submission.
@@ -231,189 +275,16 @@ impl Renderer {
         assert!(target.is_of(&self.passes), "the target was created by another renderer");
         let vk::Extent2D { width, height } = target.extent();
         let seen = self.scene.write_frame(slot, view, &self.plan, [width, height], self.config.cull);
-        let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };
-        let mut frame = Frame { renderer: self, recorder, slot, target, output, counts };
-        frame.record();
-        self.recorded = Recorded { counts: frame.counts, light_lists: seen.light_lists };
-    }
-}
-
-/// One frame while it is recorded.
-struct Frame<'a> {
-    renderer: &'a Renderer,
-    recorder: &'a Recorder<'a>,
-    slot: usize,
-    target: &'a Target,
-    output: usize,
-    counts: FrameCounts,
-}
-
-impl Frame<'_> {
-    fn record(&mut self) {
-        let Renderer { plan, passes, config, queries, .. } = self.renderer;
-        let (recorder, slot) = (self.recorder, self.slot as u32);
         let _label = recorder.label("ontile frame");
-        queries.reset(recorder, slot);
-        queries.begin_statistics(recorder, slot);
-        queries.timestamp(recorder, slot, 0, vk::PipelineStageFlags::TOP_OF_PIPE);
-        let stages = plan.stage_count();
-        let mut stage = 0;
-        for (index, pass) in plan.passes.iter().enumerate() {
-            self.begin_pass(index, passes[index].raw());
-            for (subpass, planned) in pass.subpasses.iter().enumerate() {
-                if subpass > 0 {
-                    // SAFETY: the command buffer is recording this pass, which has another subpass.
-                    unsafe {
-                        let device = recorder.device().raw();
-                        device.cmd_next_subpass(recorder.raw(), vk::SubpassContents::INLINE);
-                    }
-                }
-                let _label = recorder.label(planned.name);
-                self.draw_stage(stage);
-                stage += 1;
-                if config.stage_timestamps && stage < stages {
-                    let index = stage as u32;
-                    queries.timestamp(recorder, slot, index, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
-                }
-            }
-            // SAFETY: the pass is being recorded and its last subpass was entered.
-            unsafe { recorder.device().raw().cmd_end_render_pass(recorder.raw()) };
-        }
-        let last = if config.stage_timestamps { stages } else { 1 };
-        queries.timestamp(recorder, slot, last as u32, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
-        queries.end_statistics(recorder, slot);
-    }
-
-    fn begin_pass(&self, index: usize, pass: vk::RenderPass) {
-        let extent = self.target.extent();
-        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
-        let info = vk::RenderPassBeginInfo::default()
-            .render_pass(pass)
-            .framebuffer(self.target.framebuffer(self.output, index))
-            .render_area(area)
-            .clear_values(self.target.clear_values(index));
-        let viewport = vk::Viewport {
-            x: 0.0,
-            y: 0.0,
-            width: extent.width as f32,
-            height: extent.height as f32,
-            min_depth: 0.0,
-            max_depth: 1.0,
-        };
-        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
-        // SAFETY: the framebuffer was made for this pass, with one clear value per attachment.
-        unsafe {
-            device.cmd_begin_render_pass(raw, &info, vk::SubpassContents::INLINE);
-            device.cmd_set_viewport(raw, 0, &[viewport]);
-            device.cmd_set_scissor(raw, 0, &[area]);
-        }
-    }
-
-    fn draw_stage(&mut self, stage: usize) {
-        self.draw_surfaces(stage);
-        let plan = &self.renderer.plan;
-        let of_stage =
-            plan.pipelines.iter().enumerate().filter(|(_, (s, p))| *s == stage && !p.is_of_surfaces());
-        for (index, (_, pipeline)) in of_stage {
-            match pipeline {
-                Pipeline::LightVolume(shape) => self.draw_volumes(stage, index, *shape),
-                // Drawn in turns with the pipeline that follows it.
-                Pipeline::LightMask(_) => {}
-                _ => {
-                    self.bind_with_inputs(stage, index);
-                    self.draw_generated(3, 0..1);
-                }
-            }
-        }
-    }
-
-    /// Draws the lights of a shape: all at once, or each after its mask.
-    fn draw_volumes(&mut self, stage: usize, pipeline: usize, shape: VolumeShape) {
-        let Renderer { plan, scene, .. } = self.renderer;
-        let vertices = match shape {
-            VolumeShape::Screen => 3,
-            VolumeShape::Sphere => 60,
-            VolumeShape::Cone => 48,
-            VolumeShape::Box => 36,
-        };
-        let lights = scene.light_volumes(shape);
-        let mask = pipeline.checked_sub(1).filter(|&p| plan.pipelines[p].1 == Pipeline::LightMask(shape));
-        match mask {
-            _ if lights.is_empty() => {}
-            None => {
-                self.bind_with_inputs(stage, pipeline);
-                self.draw_generated(vertices, lights);
-            }
-            Some(mask) => {
-                for light in lights {
-                    self.bind_pipeline(mask);
-                    self.draw_generated(vertices, light..light + 1);
-                    self.bind_with_inputs(stage, pipeline);
-                    self.draw_generated(vertices, light..light + 1);
-                }
-            }
-        }
-    }
-
-    /// Draws without vertex buffers.
-    fn draw_generated(&mut self, vertices: u32, instances: Range<u32>) {
-        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
-        // SAFETY: the bound pipeline makes its vertices from their indices.
-        unsafe { device.cmd_draw(raw, vertices, instances.len() as u32, 0, instances.start) };
-        self.counts.draws += 1;
-        self.counts.triangles += u64::from(vertices / 3) * instances.len() as u64;
-    }
-
-    /// Binds a pipeline, the frame's buffers and the stage's input attachments.
-    fn bind_with_inputs(&mut self, stage: usize, index: usize) {
-        let layout = self.bind_pipeline(index);
-        if let Some(inputs) = self.target.inputs(self.output, stage) {
-            self.bind_set(layout, 1, inputs);
-        }
-    }
-
-    /// Draws what the view sees of all surfaces that the stage draws.
-    fn draw_surfaces(&mut self, stage: usize) {
-        let Renderer { pipelines, scene, .. } = self.renderer;
-        let mut bound_mesh = BoundMesh::default();
-        let (mut bound_pipeline, mut bound_material) = (None, None);
-        for batch in scene.objects().visible_batches() {
-            let Some(index) = pipelines.drawing(stage, batch.pipeline) else { continue };
-            let layout = match bound_pipeline {
-                Some((bound, layout)) if bound == index => layout,
-                _ => {
-                    bound_material = None;
-                    self.bind_pipeline(index)
-                }
-            };
-            bound_pipeline = Some((index, layout));
-            if pipelines.families[index].has_material() && bound_material != Some(batch.material_set) {
-                self.bind_set(layout, 1, scene.material_set(batch.material_set));
-                bound_material = Some(batch.material_set);
-            }
-            scene.bind_mesh(self.recorder, batch, &mut bound_mesh, &mut self.counts.state_changes);
-            scene.draw(self.recorder, batch, &mut self.counts);
-        }
-    }
-
-    /// Binds the n-th of `Plan::pipelines` and what its frame has once.
-    fn bind_pipeline(&mut self, index: usize) -> vk::PipelineLayout {
-        let Renderer { pipelines, scene, .. } = self.renderer;
-        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
-        let pipeline = pipelines.pipelines[index].raw();
-        // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
-        unsafe { device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::GRAPHICS, pipeline) };
-        self.counts.state_changes.pipelines += 1;
-        let layout = pipelines.layout_of(index).layout.raw();
-        self.bind_set(layout, 0, scene.frame_set(self.slot, pipelines.families[index]));
-        layout
-    }
-
-    fn bind_set(&mut self, layout: vk::PipelineLayout, index: u32, set: vk::DescriptorSet) {
-        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
-        let point = vk::PipelineBindPoint::GRAPHICS;
-        // SAFETY: the set was allocated with the layout's n-th set layout, and all its bindings are written.
-        unsafe { device.cmd_bind_descriptor_sets(raw, point, layout, index, &[set], &[]) };
-        self.counts.state_changes.descriptor_sets += 1;
+        self.queries.reset(recorder, slot as u32);
+        self.queries.begin_statistics(recorder, slot as u32);
+        self.queries.timestamp(recorder, slot as u32, 0, vk::PipelineStageFlags::TOP_OF_PIPE);
+        let aspect = f64::from(width) / f64::from(height);
+        let shadows = self.shadows.as_mut().map(|s| s.record(recorder, slot, view, aspect, &self.scene));
+        let shadows = shadows.unwrap_or_default();
+        let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };
+        let mut frame = Frame { renderer: self, recorder, slot, target, output, counts, bound_frame: None };
+        frame.record();
+        self.recorded = Recorded { counts: frame.counts, light_lists: seen.light_lists, shadows };
     }
 }

@@ -1,6 +1,6 @@
 //! A scene on the device: buffers, textures, descriptor sets, and the order in which it is drawn.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use ash::vk;
@@ -12,18 +12,21 @@ use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::material_data::Materials;
 use super::objects::{Batch, Objects};
-use super::pipeline::{Family, Pipelines};
+use super::pipeline::{Family, FamilyLayout, Pipelines};
 use super::shader::shared;
+use super::shadow::ShadowResources;
 use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
 use crate::Result;
 use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind, VolumeShape};
 use crate::scene::Scene;
+use crate::visible::Reach;
 
 /// A scene on the device.
 pub(super) struct SceneData {
     frame_sets: Option<DescriptorSets>,
     material_sets: Option<DescriptorSets>,
-    families: Vec<Family>,
+    /// What pipelines read of a frame: each [`Family::frame`] once.
+    frame_kinds: Vec<u32>,
     objects: Objects,
     lights: Lights,
     light_lists: LightLists,
@@ -42,11 +45,12 @@ impl SceneData {
         scene: &Scene,
         plan: &Plan,
         pipelines: &Pipelines,
+        shadows: Option<&ShadowResources>,
         slots: usize,
         upload: &mut Upload,
     ) -> Result<Self> {
         let objects = Objects::new(scene, plan);
-        let lights = Lights::new(&scene.lights);
+        let lights = Lights::new(&scene.lights, plan.shadow_map.as_ref());
         let streams = streams(scene, plan, objects.batches());
         let geometry = Geometry::new(device, upload, &scene.meshes, &streams)?;
         let keys = texture_keys(scene, plan, objects.batches());
@@ -55,7 +59,7 @@ impl SceneData {
         let mut data = Self {
             frame_sets: None,
             material_sets: None,
-            families: pipelines.layouts.keys().copied().collect(),
+            frame_kinds: frame_layouts(pipelines).into_keys().collect(),
             frames: frames.collect::<Result<_>>()?,
             objects,
             light_lists: LightLists::new(plan, lights.count()),
@@ -66,7 +70,7 @@ impl SceneData {
             around: AroundData::new(device, upload, scene, plan)?,
             ambient_nt: scene.ambient_nt,
         };
-        data.write_frame_sets(device, pipelines)?;
+        data.write_frame_sets(device, pipelines, shadows)?;
         data.write_material_sets(device, scene, plan, pipelines)?;
         Ok(data)
     }
@@ -74,6 +78,11 @@ impl SceneData {
     /// What is drawn.
     pub(super) fn objects(&self) -> &Objects {
         &self.objects
+    }
+
+    /// Where the lights of the last frame written reach, in their order.
+    pub(super) fn light_reaches(&self) -> &[Reach] {
+        self.light_lists.reaches()
     }
 
     /// What is drawn, to move it.
@@ -86,17 +95,41 @@ impl SceneData {
         &mut self.lights
     }
 
+    /// All meshes.
+    pub(super) fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// A material's uniform block.
+    pub(super) fn material_numbers(&self, material: usize) -> Option<Content<'_>> {
+        self.materials.as_ref().map(|materials| materials.content(material))
+    }
+
+    /// The base colour texture of a material that has one and is drawn.
+    pub(super) fn base_color_image(&self, scene: &Scene, material: usize) -> vk::DescriptorImageInfo {
+        let texture = scene.materials[material].base_color_texture.expect("the plan says that it is sampled");
+        self.image(TextureKey { texture: texture.texture, encoding: ColorEncoding::Srgb })
+    }
+
+    fn image(&self, key: TextureKey) -> vk::DescriptorImageInfo {
+        let (view, sampler) = self.textures.get(key).expect("uploaded by the same list");
+        vk::DescriptorImageInfo::default()
+            .image_view(view)
+            .sampler(sampler)
+            .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
+    }
+
     /// The instances that draw the lights of a shape, of the frame written last.
     pub(super) fn light_volumes(&self, shape: VolumeShape) -> Range<u32> {
         self.light_lists.volumes(shape)
     }
 
-    /// The buffers that pipelines of this family read, for a frame slot.
+    /// The buffers that pipelines of this family read, for a frame slot. Families that read the same share the set.
     pub(super) fn frame_set(&self, slot: usize, family: Family) -> vk::DescriptorSet {
         let index =
-            self.families.iter().position(|f| *f == family).expect("families come from the pipelines");
+            self.frame_kinds.binary_search(&family.frame()).expect("families come from the pipelines");
         let sets = self.frame_sets.as_ref().expect("every plan has a pipeline or draws nothing");
-        sets.raw(slot * self.families.len() + index)
+        sets.raw(slot * self.frame_kinds.len() + index)
     }
 
     /// A material's numbers and textures.
@@ -160,27 +193,39 @@ impl SceneData {
         }
     }
 
-    /// Draws what is seen of a batch.
-    pub(super) fn draw(&self, recorder: &Recorder<'_>, batch: &Batch, counts: &mut FrameCounts) {
+    /// Draws some of the visible instances of a batch.
+    pub(super) fn draw(
+        &self,
+        recorder: &Recorder<'_>,
+        batch: &Batch,
+        instances: Range<u32>,
+        counts: &mut FrameCounts,
+    ) {
         let range = &self.geometry.meshes()[batch.mesh];
         // SAFETY: `bind_mesh` bound the buffers, and the ranges lie inside them.
         unsafe {
             recorder.device().raw().cmd_draw_indexed(
                 recorder.raw(),
                 range.index_count,
-                batch.visible.len() as u32,
+                instances.len() as u32,
                 range.first_index,
                 range.vertex_offset,
-                batch.visible.start,
+                instances.start,
             );
         }
         counts.draws += 1;
-        counts.triangles += u64::from(range.index_count / 3) * batch.visible.len() as u64;
+        counts.triangles += u64::from(range.index_count / 3) * instances.len() as u64;
     }
 
-    /// One set per frame slot and family.
-    fn write_frame_sets(&mut self, device: &Device, pipelines: &Pipelines) -> Result<()> {
-        let layouts = pipelines.layouts.values().map(|l| (l.sets[0].raw(), l.bindings[0].as_slice()));
+    /// One set per frame slot and kind.
+    fn write_frame_sets(
+        &mut self,
+        device: &Device,
+        pipelines: &Pipelines,
+        shadows: Option<&ShadowResources>,
+    ) -> Result<()> {
+        let layouts = frame_layouts(pipelines);
+        let layouts = layouts.values().map(|l| (l.sets[0].raw(), l.bindings[0].as_slice()));
         let slots = self.frames.len();
         let wanted: Vec<_> = (0..slots).flat_map(|_| layouts.clone()).collect();
         let Some(sets) = DescriptorSets::new(device, &wanted, "frame")? else { return Ok(()) };
@@ -190,11 +235,17 @@ impl SceneData {
                     sets.write(index, binding, ty, &content);
                     continue;
                 }
-                let frame = &self.frames[index / self.families.len()];
+                let slot = index / self.frame_kinds.len();
+                let frame = &self.frames[slot];
+                if let Some(shadows) = shadows.filter(|_| binding == const { shared("BINDING_SHADOW_MAP") }) {
+                    sets.write(index, binding, ty, &Content::Images(vec![shadows.map()]));
+                    continue;
+                }
                 let buffer = match binding {
                     b if b == const { shared("BINDING_FRAME") } => Some(&frame.uniforms),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
                     b if b == const { shared("BINDING_LIGHTS") } => Some(&frame.lights),
+                    b if b == const { shared("BINDING_SHADOW_VIEWS") } => shadows.map(|s| s.views(slot)),
                     _ => frame.light_lists.as_ref(),
                 };
                 // What a pipeline reads exists: surface pipelines only for instances, light lists by the plan.
@@ -241,13 +292,7 @@ impl SceneData {
                 &numbers,
             );
             let images: Vec<_> = material_textures(scene, surface(plan, pipeline), material)
-                .map(|key| {
-                    let (view, sampler) = self.textures.get(key).expect("uploaded by the same list");
-                    vk::DescriptorImageInfo::default()
-                        .image_view(view)
-                        .sampler(sampler)
-                        .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
-                })
+                .map(|key| self.image(key))
                 .collect();
             if !images.is_empty() {
                 let ty = vk::DescriptorType::COMBINED_IMAGE_SAMPLER;
@@ -257,6 +302,11 @@ impl SceneData {
         self.material_sets = Some(sets);
         Ok(())
     }
+}
+
+/// A layout of each [`Family::frame`].
+fn frame_layouts(pipelines: &Pipelines) -> BTreeMap<u32, &FamilyLayout> {
+    pipelines.layouts.iter().map(|(family, layout)| (family.frame(), layout)).collect()
 }
 
 /// What is bound while surfaces are drawn.

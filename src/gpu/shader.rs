@@ -98,10 +98,24 @@ pub enum Module {
     Forward {
         /// Whether the material has any texture.
         textured: bool,
-        /// Whether each pixel looks at the lights of its cluster, not at all.
-        clusters: bool,
+        /// What it reads of the lights.
+        lights: LightInputs,
         /// What arrives from all around.
         around: Around,
+    },
+    /// Writes the light that leaves a surface without light sources to the light target.
+    Base {
+        /// Whether the material has any texture.
+        textured: bool,
+        /// What arrives from all around.
+        around: Around,
+    },
+    /// Adds what a surface reflects of one light to the light target.
+    Light {
+        /// Whether the material has any texture.
+        textured: bool,
+        /// Whether lights may cast shadows.
+        shadows: bool,
     },
     /// Keeps nothing of a surface but what its alpha mask leaves.
     Mask {
@@ -112,15 +126,27 @@ pub enum Module {
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
-        /// Which lights a pixel looks at.
-        lights: LightLoop,
+        /// What it reads of the lights.
+        lights: LightInputs,
     },
     /// Turns the light target into the output.
-    Tonemap,
+    Tonemap {
+        /// Whether fog lies between, so that depth is read too.
+        fog: bool,
+    },
     /// One triangle over the whole image.
     Fullscreen,
     /// A mesh around what a light reaches.
     LightVolume,
+    /// Places a caster in the shadow map. Coordinates and colours are for masks only.
+    ShadowVertex {
+        /// Whether an alpha mask cuts the surface.
+        masked: bool,
+        /// Texture coordinates.
+        texcoord: bool,
+        /// Vertex colours.
+        color: bool,
+    },
 }
 
 /// The lights that a pixel looks at.
@@ -132,6 +158,41 @@ pub enum LightLoop {
     Cluster,
     /// The one that is drawn.
     One,
+}
+
+/// What shading reads of the lights: descriptors that exist only where they are needed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LightInputs {
+    /// Which lights a pixel looks at.
+    pub scan: LightLoop,
+    /// Whether they cast shadows.
+    pub shadows: bool,
+}
+
+impl LightInputs {
+    /// Without and with shadows, for each of these.
+    fn of(loops: &[LightLoop]) -> impl Iterator<Item = Self> {
+        loops.iter().flat_map(|&scan| [false, true].map(|shadows| Self { scan, shadows }))
+    }
+
+    /// Its part of a module's name.
+    fn suffix(self) -> String {
+        let scan = match self.scan {
+            LightLoop::All => "",
+            LightLoop::Cluster => "_clusters",
+            LightLoop::One => "_one",
+        };
+        format!("{scan}{}", if self.shadows { "_shadows" } else { "" })
+    }
+
+    /// Macros, and whether they are defined.
+    fn defines(self) -> [(bool, &'static str); 3] {
+        [
+            (self.scan == LightLoop::Cluster, "CLUSTERS"),
+            (self.scan == LightLoop::One, "ONE_LIGHT"),
+            (self.shadows, "SHADOWS"),
+        ]
+    }
 }
 
 /// Every kind.
@@ -164,14 +225,26 @@ impl Module {
                 all.extend(AROUND.map(|around| module(true, around)));
             }
             let loops = [LightLoop::All, LightLoop::Cluster, LightLoop::One];
-            all.extend(loops.map(|lights| Self::Lighting { layout, lights }));
+            all.extend(LightInputs::of(&loops).map(|lights| Self::Lighting { layout, lights }));
         }
-        all.extend([false, true].map(|textured| Self::Unlit { textured }));
-        for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
-            all.extend(AROUND.map(|around| Self::Forward { textured, clusters, around }));
+        for textured in [false, true] {
+            all.push(Self::Unlit { textured });
+            for lights in LightInputs::of(&[LightLoop::All, LightLoop::Cluster]) {
+                all.extend(AROUND.map(|around| Self::Forward { textured, lights, around }));
+            }
         }
-        all.extend([false, true].map(|textured| Self::Mask { textured }));
-        all.extend([Self::Tonemap, Self::Fullscreen, Self::LightVolume]);
+        for textured in [false, true] {
+            all.extend(AROUND.map(|around| Self::Base { textured, around }));
+            all.extend([false, true].map(|shadows| Self::Light { textured, shadows }));
+            all.push(Self::Mask { textured });
+        }
+        all.extend([false, true].map(|fog| Self::Tonemap { fog }));
+        all.extend([Self::Fullscreen, Self::LightVolume]);
+        for (masked, texcoord, color) in
+            [(false, false, false), (true, true, false), (true, false, true), (true, true, true)]
+        {
+            all.push(Self::ShadowVertex { masked, texcoord, color });
+        }
         all
     }
 
@@ -196,21 +269,23 @@ impl Module {
                 around_suffix(around),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
+            Self::Base { textured, around } => {
+                format!("base{}{}.frag", suffix(textured, "_textured"), around_suffix(around))
+            }
+            Self::Light { textured, shadows } => {
+                format!("light{}{}.frag", suffix(textured, "_textured"), suffix(shadows, "_shadows"))
+            }
             Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured, clusters, around } => {
-                let clusters = suffix(clusters, "_clusters");
-                let textured = suffix(textured, "_textured");
-                format!("forward{clusters}{textured}{}.frag", around_suffix(around))
+            Self::Forward { textured, lights, around } => {
+                let (lights, textured) = (lights.suffix(), suffix(textured, "_textured"));
+                format!("forward{lights}{textured}{}.frag", around_suffix(around))
             }
-            Self::Lighting { layout, lights } => {
-                let lights = match lights {
-                    LightLoop::All => "",
-                    LightLoop::Cluster => "_clusters",
-                    LightLoop::One => "_one",
-                };
-                format!("lighting_{layout}{lights}.frag")
+            Self::Lighting { layout, lights } => format!("lighting_{layout}{}.frag", lights.suffix()),
+            Self::ShadowVertex { masked: false, .. } => "shadow.vert".into(),
+            Self::ShadowVertex { texcoord, color, .. } => {
+                format!("shadow_masked_{}{}.vert", suffix(texcoord, "u"), suffix(color, "c"))
             }
-            Self::Tonemap => "tonemap.frag".into(),
+            Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
             Self::Fullscreen => "fullscreen.vert".into(),
             Self::LightVolume => "light_volume.vert".into(),
         }
@@ -223,10 +298,13 @@ impl Module {
             Self::GeometryFragment { .. } => "geometry.frag",
             Self::Unlit { .. } => "unlit.frag",
             Self::Forward { .. } => "forward.frag",
+            Self::Base { .. } => "base.frag",
+            Self::Light { .. } => "light.frag",
             Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
-            Self::Tonemap => "tonemap.frag",
+            Self::Tonemap { .. } => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
+            Self::ShadowVertex { .. } => "shadow.vert",
             Self::LightVolume => "light_volume.vert",
         }
     }
@@ -234,13 +312,18 @@ impl Module {
     /// The stage that it is for.
     pub fn stage(self) -> Stage {
         match self {
-            Self::GeometryVertex { .. } | Self::Fullscreen | Self::LightVolume => Stage::Vertex,
+            Self::GeometryVertex { .. }
+            | Self::Fullscreen
+            | Self::LightVolume
+            | Self::ShadowVertex { .. } => Stage::Vertex,
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
+            | Self::Base { .. }
+            | Self::Light { .. }
             | Self::Mask { .. }
             | Self::Lighting { .. }
-            | Self::Tonemap => Stage::Fragment,
+            | Self::Tonemap { .. } => Stage::Fragment,
         }
     }
 
@@ -268,18 +351,32 @@ impl Module {
                 (around >= Around::Environment, "ENVIRONMENT"),
             ]),
             Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Forward { textured, clusters, around } => chosen(&[
+            Self::Light { textured, shadows } => chosen(&[(textured, "TEXTURED"), (shadows, "SHADOWS")]),
+            Self::Base { textured, around } => chosen(&[
                 (textured, "TEXTURED"),
-                (clusters, "CLUSTERS"),
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
             ]),
-            Self::Lighting { layout, lights } => chosen(&[
-                (true, layout_define(layout)),
-                (lights == LightLoop::Cluster, "CLUSTERS"),
-                (lights == LightLoop::One, "ONE_LIGHT"),
-            ]),
-            Self::Tonemap | Self::Fullscreen | Self::LightVolume => Vec::new(),
+            Self::Forward { textured, lights, around } => {
+                let [clusters, one, shadows] = lights.defines();
+                chosen(&[
+                    (textured, "TEXTURED"),
+                    clusters,
+                    one,
+                    shadows,
+                    (around >= Around::Ambient, "AMBIENT"),
+                    (around >= Around::Environment, "ENVIRONMENT"),
+                ])
+            }
+            Self::Lighting { layout, lights } => {
+                let [clusters, one, shadows] = lights.defines();
+                chosen(&[(true, layout_define(layout)), clusters, one, shadows])
+            }
+            Self::ShadowVertex { masked, texcoord, color } => {
+                chosen(&[(masked, "MASKED"), (texcoord, "HAS_TEXCOORD"), (color, "HAS_COLOR")])
+            }
+            Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
+            Self::Fullscreen | Self::LightVolume => Vec::new(),
         }
     }
 

@@ -100,12 +100,40 @@ pub struct LightData {
     pub falloff: f32,
     /// Colour times lux on surfaces that face away from directional and box lights.
     pub back_intensity: [f32; 3],
-    /// Unused.
-    pub padding_0: u32,
+    /// The light's first [`ShadowViewData`] + 1 and, 16 bits up, how many it has; 0: no shadow.
+    pub shadow: u32,
     /// Half the extent of a box, metres.
     pub half_size: [f32; 3],
     /// Unused.
-    pub padding_1: u32,
+    pub padding: u32,
+}
+
+/// A tile of the shadow map: `ShadowView` in `glsl/light/shadow.glsl`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct ShadowViewData {
+    /// Column-major, homogeneous: xy the whole map's texture coordinates, z reversed depth. All 0: nothing is inside.
+    pub map_from_world: [[f32; 4]; 4],
+    /// Least and greatest xy that samples may have.
+    pub tile: [f32; 4],
+    /// Width of a texel at w = 1, metres.
+    pub texel_m: f32,
+    /// Radius of the filter, texels.
+    pub spread_texels: f32,
+    /// How far receivers are moved along their normal where light grazes, texels.
+    pub offset_texels: f32,
+    /// How far receivers are moved towards the light, texels.
+    pub lift_texels: f32,
+}
+
+/// What draws of casters share within a tile: `ShadowPush` in `glsl/shadow.vert`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct ShadowPush {
+    /// Column-major; the tile's clip space.
+    pub clip_from_world: [[f32; 4]; 4],
+    /// Nothing is drawn nearer to the light than at this depth.
+    pub nearest_depth: f32,
 }
 
 /// How a view is cut into cells: `ClusterGrid` in `glsl/light/clusters.glsl`, std430. The cells' lists follow it
@@ -125,4 +153,12 @@ pub struct ClusterGrid {
     pub slice_scale: f32,
     /// Likewise.
     pub slice_bias: f32,
+}
+
+/// Which light a draw adds: `LightPush` in `glsl/light.frag`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightPush {
+    /// Its number among the frame's lights.
+    pub light: u32,
 }

@@ -167,6 +167,12 @@ impl TilerTrace {
         if reasons.is_empty() { Verdict::OnTile } else { Verdict::OffTile(reasons) }
     }
 
+    /// The trace without its first passes, e.g. those that draw shadow maps before the frame's own.
+    #[must_use]
+    pub fn after(&self, passes: usize) -> Self {
+        Self { passes: self.passes.iter().skip(passes).cloned().collect(), warnings: self.warnings.clone() }
+    }
+
     fn note_warning(&mut self, line: &str) {
         let line = line.trim();
         if (line.starts_with("TU: ") || gives_up_tiling(line))

@@ -23,6 +23,8 @@ named_enum! {
         Rgba32Float = "rgba32f",
         /// 32-bit float depth.
         D32Float = "d32f",
+        /// 16-bit unsigned normalised depth.
+        D16Unorm = "d16",
         /// 32-bit float depth and 8 bits of stencil.
         D32FloatS8 = "d32f_s8",
         /// 24-bit unsigned normalised depth and 8 bits of stencil.
@@ -41,6 +43,7 @@ impl Format {
             | Self::Rgb10a2Unorm
             | Self::D32Float
             | Self::D24UnormS8 => 32,
+            Self::D16Unorm => 16,
             Self::D32FloatS8 => 40,
             Self::Rgba16Float => 64,
             Self::Rgba32Float => 128,
@@ -54,7 +57,7 @@ impl Format {
 
     /// Whether this is a depth format.
     pub const fn is_depth(self) -> bool {
-        matches!(self, Self::D32Float) || self.has_stencil()
+        matches!(self, Self::D32Float | Self::D16Unorm) || self.has_stencil()
     }
 
     /// Whether it has stencil bits beside depth.

@@ -126,6 +126,8 @@ pub struct DeviceFigures {
     pub statistics: Vec<(String, Figure)>,
     /// What the last frame's commands consist of.
     pub frame: super::FrameCounts,
+    /// What the last frame drew into the shadow map; `null` where there is none.
+    pub shadows: Option<super::ShadowFigures>,
     /// Frames rendered.
     pub frames: usize,
     /// Bytes of device memory that the renderer allocated, transient attachments excluded.
@@ -149,6 +151,8 @@ pub struct Report {
     pub attachments: Vec<AttachmentReport>,
     /// Render passes.
     pub passes: Vec<PassReport>,
+    /// The shadow map, drawn before them; `null` where no light casts shadows.
+    pub shadow_map: Option<super::ShadowMapReport>,
     /// Pipelines, as text.
     pub pipelines: Vec<String>,
     /// With light lists: their bounds.
@@ -200,6 +204,7 @@ impl Plan {
             needs: self.needs.clone(),
             attachments: attachments.collect(),
             passes: self.passes.iter().map(|p| self.pass_report(p)).collect(),
+            shadow_map: self.shadow_map.as_ref().map(|map| map.report(self.options.shadows.filter)),
             pipelines: self.pipelines.iter().map(|(_, p)| self.pipeline_text(p)).collect(),
             clusters: self.clusters,
             totals: Totals {
@@ -237,6 +242,9 @@ impl Plan {
     /// A pipeline in words.
     pub fn pipeline_text(&self, pipeline: &super::Pipeline) -> String {
         use super::Pipeline as P;
+        let fog = if self.needs.fog.is_some() { " +fog" } else { "" };
+        let background = if self.needs.background.is_some() { " +background colour" } else { "" };
+        let around = format!("{fog}{background}");
         match pipeline {
             P::Surface(kind) => {
                 let need = self.needs.kinds.iter().find(|n| n.kind == *kind);
@@ -254,14 +262,15 @@ impl Plan {
                 ];
                 flags.iter().filter(|(on, _)| *on).fold("depth".into(), |text, (_, flag)| text + flag)
             }
-            P::Lighting if self.folded => format!("lighting, {} tone curve", self.options.tonemap),
+            P::Light(kind) => format!("one light on {kind}"),
+            P::Lighting if self.folded => format!("lighting, {} tone curve{around}", self.options.tonemap),
             P::Lighting if matches!(self.light_way, super::LightWay::Volumes | super::LightWay::Stencil) => {
                 "lighting by what shines everywhere".into()
             }
             P::Lighting => "lighting".into(),
             P::LightMask(shape) => format!("light mask, {shape}"),
             P::LightVolume(shape) => format!("light, {shape}"),
-            P::Tonemap => format!("tonemap, {} curve", self.options.tonemap),
+            P::Tonemap => format!("tonemap, {} curve{around}", self.options.tonemap),
         }
     }
 }

@@ -129,6 +129,8 @@ pub(super) fn resolve(needs: &Needs, options: &Options, path: Path) -> crate::Re
     let (way, why) = match options.lights {
         // There is nothing to light, whatever was asked for.
         _ if needs.lit.is_none() => (LightWay::Fullscreen, None),
+        // Lights are added one by one, whatever they could be looked up in.
+        LightWay::Clusters | LightWay::Auto if path == Path::ForwardMultipass => (LightWay::Fullscreen, None),
         LightWay::Auto if ended >= LEAST_FOR_CLUSTERS => {
             let why = format!("lights: clusters, since {ended} lights have a place and an end");
             (LightWay::Clusters, Some(why))

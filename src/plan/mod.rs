@@ -10,6 +10,7 @@
 mod access;
 mod around;
 mod budget;
+mod check;
 mod counts;
 mod derive;
 mod format;
@@ -18,10 +19,16 @@ mod ledger;
 mod lights;
 mod needs;
 mod options;
+mod path;
 mod print;
+mod shadow;
+mod shadow_report;
 mod stage;
 #[cfg(test)]
 mod tests;
+
+pub(crate) use check::check_size;
+use check::{check_counts, check_dither};
 
 pub use access::{Access, Scope, State};
 pub use around::{Around, AroundImage, EnvironmentNeed};
@@ -35,7 +42,15 @@ pub use ledger::{
 pub use lights::{ClusterBudget, VolumeShape};
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
-pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Strategy, Tonemap};
+pub use options::{
+    Layout, LightWay, Options, OutputFormat, OutputUse, Path, ShadowFilter, ShadowFormat, ShadowOptions,
+    Strategy, Tonemap,
+};
+pub use shadow::{
+    CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, spread_texels,
+};
+pub(crate) use shadow_report::planned_bytes;
+pub use shadow_report::{ShadowFigures, ShadowLightReport, ShadowMapReport};
 
 use std::collections::BTreeSet;
 
@@ -212,6 +227,8 @@ pub enum Pipeline {
     Surface(SurfaceKind),
     /// Draws the depth of surfaces, as [`SurfaceKind::depth`] sorts them.
     Depth(SurfaceKind),
+    /// Adds what surfaces of a kind reflect of one light; drawn once for each light.
+    Light(SurfaceKind),
     /// Shades the G-buffer by all lights, or, where those with a place are added one by one, by the others.
     Lighting,
     /// Marks in the stencil what is in a light's volume; for lights of one shape, each before it is added.
@@ -225,13 +242,13 @@ pub enum Pipeline {
 impl Pipeline {
     /// Whether it draws surfaces, not all pixels.
     pub fn is_of_surfaces(&self) -> bool {
-        matches!(self, Self::Surface(_) | Self::Depth(_))
+        matches!(self, Self::Surface(_) | Self::Depth(_) | Self::Light(_))
     }
 
     /// Whether it draws surfaces of this kind.
     pub fn draws(&self, kind: &SurfaceKind) -> bool {
         match self {
-            Self::Surface(own) => own == kind,
+            Self::Surface(own) | Self::Light(own) => own == kind,
             Self::Depth(own) => *own == kind.depth(),
             Self::Lighting | Self::LightMask(_) | Self::LightVolume(_) | Self::Tonemap => false,
         }
@@ -261,6 +278,8 @@ pub struct Plan {
     pub light_way: LightWay,
     /// With [`LightWay::Clusters`]: the lights of each part of the view, listed for every frame.
     pub clusters: Option<ClusterBudget>,
+    /// The shadow map, where lights cast shadows; it is drawn before the first pass.
+    pub shadow_map: Option<ShadowMap>,
     /// Decisions that a reader may wonder about.
     pub notes: Vec<String>,
 }
@@ -274,20 +293,22 @@ impl Plan {
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
         check_size(options.size, limits)?;
         check_dither(&options)?;
-        check_ways(&options)?;
-        let path = options.path;
+        let (path, path_why) = path::resolve(&needs, &options)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
         let frame = stage::Frame::new(&needs, &options, path, light_way, limits.depth_stencil);
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
         check_counts(&passes, &options, limits)?;
+        let (shadow_map, shadow_notes) = ShadowMap::new(&needs.shadows, &options, limits);
         let around = around::images(&needs, &options);
         let pipelines = pipelines(&frame, &needs, light_way);
         let folded = frame.folded;
         let mut notes = notes(&needs, &options, path, &attachments, folded);
+        notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
+        notes.extend(shadow_notes);
         Ok(Self {
             options,
             needs,
@@ -299,6 +320,7 @@ impl Plan {
             folded,
             light_way,
             clusters,
+            shadow_map,
             notes,
         })
     }
@@ -332,66 +354,6 @@ impl Plan {
     }
 }
 
-/// # Errors
-/// [`crate::Error::Unsupported`] if no image can have this size in pixels.
-pub(crate) fn check_size([width, height]: [u32; 2], limits: &Limits) -> crate::Result<()> {
-    let most = limits.max_image_size;
-    if width == 0 || height == 0 || width > most || height > most {
-        return Err(crate::Error::unsupported(
-            format!("an image of {width}x{height} pixels cannot be rendered"),
-            format!("choose a size from 1x1 to {most}x{most}"),
-        ));
-    }
-    Ok(())
-}
-
-fn check_dither(options: &Options) -> crate::Result<()> {
-    if options.dither && options.output.is_float() {
-        return Err(crate::Error::unsupported(
-            format!(
-                "dither spreads the rounding to 8 bits, and the output {} is not rounded",
-                options.output
-            ),
-            "render to a PNG (an 8-bit output), or leave dither out",
-        ));
-    }
-    Ok(())
-}
-
-fn check_ways(options: &Options) -> crate::Result<()> {
-    if matches!(options.path, Path::ForwardMultipass | Path::Auto) {
-        return Err(crate::Error::unsupported(
-            format!("the path {} is not there yet", options.path),
-            "choose the path deferred or forward",
-        ));
-    }
-    if options.path != Path::Deferred && options.keep_gbuffer {
-        return Err(crate::Error::unsupported(
-            format!("the path {} has no G-buffer that could be kept", options.path),
-            "choose the path deferred, or leave `keep_gbuffer` out",
-        ));
-    }
-    Ok(())
-}
-
-fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) -> crate::Result<()> {
-    for subpass in passes.iter().flat_map(|p| &p.subpasses) {
-        let checks = [
-            ("colour attachments", subpass.colors.len(), limits.max_color_attachments),
-            ("input attachments", subpass.inputs.len(), limits.max_input_attachments),
-        ];
-        for (what, wanted, most) in checks {
-            if wanted > most as usize {
-                return Err(crate::Error::unsupported(
-                    format!("subpass {} needs {wanted} {what}, the device allows {most}", subpass.name),
-                    format!("choose another layout than {}", options.layout),
-                ));
-            }
-        }
-    }
-    Ok(())
-}
-
 fn pipelines(frame: &stage::Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pipeline)> {
     let stage = |name| frame.stages.iter().position(|s| s.name == name);
     let depths: BTreeSet<_> = needs.kinds.iter().map(|n| n.kind.depth()).collect();
@@ -399,10 +361,14 @@ fn pipelines(frame: &stage::Frame, needs: &Needs, way: LightWay) -> Vec<(usize, 
         stage("depth").into_iter().flat_map(|s| depths.iter().map(move |&k| (s, Pipeline::Depth(k))));
     let surface = stage("geometry").or(stage("forward")).unwrap_or(0);
     let surfaces = needs.kinds.iter().map(|n| (surface, Pipeline::Surface(n.kind)));
+    let lights = stage("lights").into_iter().flat_map(|s| {
+        let lit = needs.kinds.iter().filter(|n| !n.kind.unlit);
+        lit.map(move |n| (s, Pipeline::Light(n.kind)))
+    });
     let lighting =
         stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
-    depths.chain(surfaces).chain(lighting).chain(tonemap).collect()
+    depths.chain(surfaces).chain(lights).chain(lighting).chain(tonemap).collect()
 }
 
 fn notes(
@@ -419,10 +385,7 @@ fn notes(
     if needs.lit.is_none() {
         notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());
     } else if path == Path::Forward {
-        let layout = options.layout;
-        notes.push(format!(
-            "surfaces are lit as they are drawn: no G-buffer (the layout {layout} is not used), no light target"
-        ));
+        notes.extend(path::notes(options, path));
     } else if folded {
         notes.push(
             "no light exists before lighting: lighting and tonemap are one subpass, no light target".into(),
@@ -431,9 +394,10 @@ fn notes(
         let table = options.layout.table();
         let range = format!("the light target holds exposed light up to {}", table.light_range);
         notes.extend((table.light.format == Format::Rgb10a2Unorm).then_some(range));
+        notes.extend(path::notes(options, path));
         if !options.recycle {
             notes.push("recycling is off: every resource has an attachment of its own".into());
-        } else if !attachments[0].name.contains('/') {
+        } else if path == Path::Deferred && !attachments[0].name.contains('/') {
             let base = table.surface[2].format;
             notes.push(if !options.output_is_input_attachment {
                 "the output cannot be read as an input attachment, so base_metallic has its own".into()

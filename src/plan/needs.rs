@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Around, EnvironmentNeed};
-use crate::scene::{AlphaMode, Light, LightKind, Material, Mesh, Scene, TextureRef};
+use super::{Around, EnvironmentNeed, ShadowNeeds};
+use crate::scene::{AlphaMode, Background, Fog, Light, LightKind, Material, Mesh, Scene, TextureRef};
 use crate::visible::Reach;
 
 /// The texture slots of a material, in the order of shader slots.
@@ -183,14 +183,25 @@ pub struct Needs {
     pub most_local_lights: usize,
     /// The environment, if anything receives its light.
     pub environment: Option<EnvironmentNeed>,
+    /// Lights that cast shadows, and what casts them.
+    pub shadows: ShadowNeeds,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
+    /// The background, as linear display light, if it is a colour.
+    pub background: Option<[f32; 3]>,
+    /// Fog, if it changes anything.
+    pub fog: Option<Fog>,
 }
 
 impl Needs {
     /// Lights that are not dark and have a place, so that they may be far from a pixel.
     pub fn local_lights(&self) -> usize {
         self.point_lights + self.spot_lights + self.box_lights
+    }
+
+    /// Lights that are not dark and that shaders go through one by one: all but hemispheres.
+    pub fn listed_lights(&self) -> usize {
+        self.directional_lights + self.local_lights()
     }
 
     /// Lights that are not dark and shine everywhere alike.
@@ -215,6 +226,12 @@ impl Needs {
                 })
                 .instances += 1;
         }
+        let surfaces = scene.drawn_instances().map(|instance| {
+            let mesh = &scene.meshes[instance.mesh];
+            let material = &scene.materials[mesh.material];
+            (SurfaceKind::new(mesh, material, instance.is_mirrored(), around), mesh.material)
+        });
+        let shadows = ShadowNeeds::new(scene, surfaces);
         let kinds: Vec<_> = kinds.into_values().collect();
         let first = |wanted: fn(&SurfaceKind) -> bool| kinds.iter().find(|n| wanted(&n.kind));
         let lit = first(|k| !k.unlit).map(|n| n.why.clone());
@@ -241,7 +258,13 @@ impl Needs {
             endless_lights: lights().filter(|l| is_local(l) && Reach::of(l) == Reach::Everywhere).count(),
             most_local_lights: most_local_lights(scene),
             environment: EnvironmentNeed::of(scene).filter(|_| lit.is_some()),
+            shadows,
             triangles: scene.triangle_count(),
+            background: match scene.background {
+                Background::Black => None,
+                Background::Color(color) => Some(color.to_array()),
+            },
+            fog: scene.fog.filter(|fog| fog.density_per_m > 0.0 && !kinds.is_empty()),
             lit,
             kinds,
         }

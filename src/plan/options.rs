@@ -143,6 +143,58 @@ named_enum! {
     }
 }
 
+named_enum! {
+    /// How many texels of the shadow map a pixel compares with.
+    ShadowFilter {
+        /// The four around a place, interpolated: one sample, whatever the light's spread.
+        Hardware = "hardware",
+        /// 3 x 3 samples over a square of the light's spread.
+        Grid3 = "grid3",
+        /// 5 x 5 samples.
+        Grid5 = "grid5",
+        /// 12 samples over a disc, turned by another angle in each pixel: noise in place of steps.
+        Jittered = "jittered",
+    }
+}
+
+named_enum! {
+    /// How a depth of the shadow map is stored.
+    ShadowFormat {
+        /// 32-bit float.
+        D32 = "d32",
+        /// 16-bit fixed point: half the memory and traffic, and enough for parallel light.
+        D16 = "d16",
+    }
+}
+
+/// How shadows are made, where lights cast them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ShadowOptions {
+    /// Samples a pixel.
+    pub filter: ShadowFilter,
+    /// Of the map.
+    pub format: ShadowFormat,
+    /// The longest side that the map may have, texels; it has no more than its tiles need.
+    pub most_texels: u32,
+    /// Side of a directional, box or spot light's tiles, texels; a point light's have half of it. `None`: a texel a pixel
+    /// if a tile fills the picture.
+    pub tile_texels: Option<u32>,
+    /// Cascades of a directional light at most.
+    pub cascades: u32,
+}
+
+impl Default for ShadowOptions {
+    fn default() -> Self {
+        Self {
+            filter: ShadowFilter::Grid3,
+            format: ShadowFormat::D32,
+            most_texels: 4096,
+            tile_texels: None,
+            cascades: 3,
+        }
+    }
+}
+
 /// The user's choices for a frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Options {
@@ -156,6 +208,8 @@ pub struct Options {
     pub path: Path,
     /// How lights reach pixels.
     pub lights: LightWay,
+    /// Shadow maps.
+    pub shadows: ShadowOptions,
     /// Tone curve.
     pub tonemap: Tonemap,
     /// The final image's format.
@@ -174,6 +228,8 @@ pub struct Options {
     /// Draw the depth of all surfaces first, so that each pixel is shaded once. Pays where shading a pixel costs more than
     /// drawing its triangles twice.
     pub depth_prepass: bool,
+    /// On the path forward-multipass: draw for each light only the objects that its reach touches, its illumination set.
+    pub illumination_sets: bool,
     /// Store the G-buffer too, so that it can be read back (for debugging and tests).
     pub keep_gbuffer: bool,
     /// How an environment's radiance is stored, unless it was filtered already.
@@ -188,6 +244,7 @@ impl Default for Options {
             layout: Layout::Metallic128,
             path: Path::Deferred,
             lights: LightWay::Fullscreen,
+            shadows: ShadowOptions::default(),
             tonemap: Tonemap::Neutral,
             output: OutputFormat::Rgba8Srgb,
             output_use: OutputUse::Copy,
@@ -196,6 +253,7 @@ impl Default for Options {
             fold: true,
             dither: false,
             depth_prepass: false,
+            illumination_sets: true,
             keep_gbuffer: false,
             environment_format: TexelFormat::E5B9G9R9,
         }

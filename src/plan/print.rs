@@ -3,6 +3,7 @@
 use std::fmt::{Display, Formatter, Result};
 
 use super::{Load, Pass, Path, Plan, Store, verdicts};
+use crate::visible::ShadowShape;
 
 impl Display for Plan {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -17,6 +18,7 @@ impl Display for Plan {
             writeln!(f, "  - {note}")?;
         }
         self.print_attachments(f)?;
+        self.print_shadow_map(f)?;
         for (index, pass) in self.passes.iter().enumerate() {
             self.print_pass(f, index, pass)?;
         }
@@ -54,6 +56,38 @@ impl Plan {
             }
         }
         Ok(())
+    }
+
+    fn print_shadow_map(&self, f: &mut Formatter<'_>) -> Result {
+        let Some(map) = &self.shadow_map else { return Ok(()) };
+        let [width, height] = map.size;
+        writeln!(
+            f,
+            "\nshadow map: {width}x{height} texels of {}, {} bytes, {}",
+            map.format,
+            map.bytes(),
+            count(map.tiles.len(), "tile", "s")
+        )?;
+        writeln!(
+            f,
+            "  a tile is a render pass before the others when what it shows has changed: cleared, stored once"
+        )?;
+        for light in &map.lights {
+            let side = light.size.texels;
+            let bytes: u64 = light.tiles.clone().map(|tile| map.tile_bytes(tile)).sum();
+            writeln!(
+                f,
+                "  light '{}': {} of {side}x{side}, {bytes} bytes stored when drawn",
+                light.name,
+                match light.shape {
+                    ShadowShape::Cascades => count(light.tiles.len(), "cascade", "s"),
+                    ShadowShape::Slab => "1 parallel view".into(),
+                    ShadowShape::Cone => "1 view".into(),
+                    ShadowShape::Cube => count(light.tiles.len(), "face", "s"),
+                },
+            )?;
+        }
+        map.casters.iter().try_for_each(|kind| writeln!(f, "  casters: {kind}"))
     }
 
     fn print_pass(&self, f: &mut Formatter<'_>, index: usize, pass: &Pass) -> Result {
@@ -154,8 +188,8 @@ impl Plan {
         writeln!(
             f,
             "  {}, {}, at most {peak} colour bits live on the tile",
-            count(self.passes.len(), "render pass"),
-            count(self.stage_count(), "subpass")
+            count(self.passes.len(), "render pass", "es"),
+            count(self.stage_count(), "subpass", "es")
         )?;
         writeln!(f, "\ntilers (modelled):")?;
         for v in verdicts(self) {
@@ -171,7 +205,7 @@ impl Plan {
     }
 }
 
-/// A number of things whose plural ends in -es.
-fn count(number: usize, thing: &str) -> String {
-    format!("{number} {thing}{}", if number == 1 { "" } else { "es" })
+/// A number of things, with their plural's ending.
+fn count(number: usize, thing: &str, plural: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { plural })
 }

@@ -1,6 +1,6 @@
 //! The stages of a frame and the resources that they exchange, before anything is placed in memory.
 
-use super::{Format, LightWay, Needs, Options, Path, layout::Target};
+use super::{Format, Layout, LightWay, Needs, Options, Path, layout::Target};
 
 /// Something that stages write and read, one value a pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +74,9 @@ impl Frame {
     /// The final image's index in `resources`.
     pub const OUTPUT: usize = 0;
 
+    /// What a light target holds where background and surfaces are told apart.
+    const LIGHT_AND_BACKGROUND: &str = "rgb: exposed light / range, a: 0 background, 1 surface";
+
     /// The least number of stages and resources that give the picture on this path and in this way, none of which is
     /// `Auto`. The format is for depth where the way needs a stencil.
     pub fn new(needs: &Needs, options: &Options, path: Path, way: LightWay, depth_stencil: Format) -> Self {
@@ -142,18 +145,44 @@ impl Frame {
         };
         let lit = match (&needs.lit, path) {
             (Some(lit), Path::Deferred) => lit,
+            (Some(_), Path::ForwardMultipass) => {
+                let light = add(&options.layout.table().light, false, "lights are summed one by one".into());
+                if needs.background.is_some() {
+                    resources[light].holds = Self::LIGHT_AND_BACKGROUND;
+                }
+                let drawn = |how| (light, how);
+                let depth_test =
+                    depth_uses.iter().map(|&(depth, _)| (depth, Use::DepthTest)).collect::<Vec<_>>();
+                let base = if needs.prelit.is_empty() {
+                    "surfaces without their lights, and their depth".into()
+                } else {
+                    needs.prelit.join(", ")
+                };
+                let mut stage = |name, uses: Vec<_>, why| stages.push(Stage { name, uses, why });
+                stage("geometry", std::iter::once(drawn(Use::Write)).chain(depth_uses).collect(), base);
+                let each = format!("{}; each adds to the surfaces that it reaches", lights());
+                stage("lights", std::iter::once(drawn(Use::Blend)).chain(depth_test).collect(), each);
+                let sum = "light from several draws was summed".into();
+                stage("tonemap", vec![(Self::OUTPUT, Use::Write), drawn(Use::Read)], sum);
+                return Self { resources, stages, folded: false };
+            }
             (lit, _) => {
                 // Nothing covers the whole image, so the output itself must be cleared.
-                resources[Self::OUTPUT].clear = Some([0.0, 0.0, 0.0, 1.0]);
+                let [red, green, blue] = needs.background.unwrap_or_default();
+                resources[Self::OUTPUT].clear = Some([red, green, blue, 1.0]);
+                let fogged = if needs.fog.is_some() { ", fogged" } else { "" };
                 let uses = std::iter::once((Self::OUTPUT, Use::Write)).chain(depth_uses).collect();
                 let (name, why) = match lit {
                     None => (
                         "geometry",
-                        "nothing in the scene is lit: surfaces are drawn and tone-mapped at once".into(),
+                        format!(
+                            "nothing in the scene is lit: surfaces are drawn{fogged} and tone-mapped at once"
+                        ),
                     ),
-                    Some(_) => {
-                        ("forward", format!("{}; surfaces are lit and tone-mapped as drawn", lights()))
-                    }
+                    Some(_) => (
+                        "forward",
+                        format!("{}; surfaces are lit{fogged} and tone-mapped as drawn", lights()),
+                    ),
                 };
                 stages.push(Stage { name, uses, why });
                 return Self { resources, stages, folded: true };
@@ -174,6 +203,14 @@ impl Frame {
         let light_why = light_why.join(", ");
         let folded = needs.prelit.is_empty() && options.fold && !one_by_one;
         let light = (!folded).then(|| add(&table.light, options.keep_gbuffer, light_why));
+        if let Some(light) = light {
+            if needs.fog.is_some() {
+                resources[surface[Layout::DEPTH]].why += ", and tonemap for fog";
+            }
+            if needs.fog.is_some() || needs.background.is_some() {
+                resources[light].holds = Self::LIGHT_AND_BACKGROUND;
+            }
+        }
 
         let written = surface.iter().chain(&light).map(|&r| (r, Use::Write));
         let geometry = Stage {
@@ -202,8 +239,16 @@ impl Frame {
         };
         let tonemap = light.map(|light| Stage {
             name: "tonemap",
-            uses: vec![(Self::OUTPUT, Use::Write), (light, Use::Read)],
-            why: "light from several stages was summed".into(),
+            uses: [(Self::OUTPUT, Use::Write), (light, Use::Read)]
+                .into_iter()
+                .chain(needs.fog.map(|_| (surface[Layout::DEPTH], Use::Read)))
+                .collect(),
+            why: match needs.fog {
+                Some(_) => {
+                    "light from several stages was summed; fog goes by the depth of what sent it".into()
+                }
+                None => "light from several stages was summed".into(),
+            },
         });
         stages.extend([geometry, lighting].into_iter().chain(tonemap));
         Self { resources, stages, folded }

@@ -1,17 +1,21 @@
 //! A whole picture: visibility, surfaces, light and curve for every pixel.
 
+use std::cell::Cell;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::around::{Around, Method};
+use super::fog::fogged;
 use super::gbuffer::{Attributes, attributes, interpolate};
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
 use super::shade::reflected;
+use super::shadow::Occlusion;
 use super::tonemap::tonemap;
 use super::view::{Ray, View};
 use super::visibility::{Hit, Visibility};
 use crate::plan::{Layout, Tonemap};
-use crate::scene::{Camera, Scene};
+use crate::scene::{Background, Camera, Scene};
 
 /// What is computed.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +32,8 @@ pub struct Settings {
     pub light_target: bool,
     /// What exposed light is multiplied by in the light target.
     pub light_scale: f64,
+    /// Whether lights cast the shadows that they are to cast.
+    pub shadows: bool,
     /// How light from all around is evaluated.
     pub around: Method,
 }
@@ -41,6 +47,7 @@ impl Default for Settings {
             layout: None,
             light_target: false,
             light_scale: 1.0,
+            shadows: true,
             around: Method::default(),
         }
     }
@@ -72,6 +79,8 @@ pub struct Pixel {
     pub display: DVec3,
     /// What was shaded, after the layout's formats if there is one.
     pub attributes: Attributes,
+    /// Bit i: the i-th of the first 64 lights would shine on this, but something stands in its way.
+    pub shadowed: u64,
 }
 
 /// A picture, rows from the top.
@@ -112,6 +121,8 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
     let view = View::new(camera, settings.size);
     let visibility = Visibility::new(scene);
     let around = Around::new(scene, settings.around);
+    let occlusion = Occlusion::new(scene, &visibility);
+    let occlusion = settings.shadows.then_some(&occlusion);
     let [width, height] = settings.size;
 
     let centers = Lattice::trace(&visibility, &view, [width, height], 0.5);
@@ -120,7 +131,8 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
         let (x, y) = (index % width, index / width);
         let edge = is_edge(&visibility, &view, &centers, &corners, x, y);
         let Some(hit) = centers.at(x, y) else {
-            return Pixel { edge, ..finish(scene, &view, settings, Attributes::default(), DVec3::ZERO) };
+            let nothing = Attributes::default();
+            return Pixel { edge, ..finish(scene, &view, settings, None, nothing, DVec3::ZERO) };
         };
         let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
         let exact = attributes(&visibility, &around, &view, position_world, hit);
@@ -131,11 +143,7 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
         };
         // Without a light target, light that is not reflected does not pass through any format.
         let prelit = if settings.light_layout().is_some() { surface.prelit } else { exact.prelit };
-        Pixel {
-            covered: true,
-            edge,
-            ..finish(scene, &view, settings, Attributes { prelit, ..surface }, prelit)
-        }
+        Pixel { edge, ..finish(scene, &view, settings, occlusion, Attributes { prelit, ..surface }, prelit) }
     });
     Frame { size: settings.size, pixels: pixels.collect() }
 }
@@ -152,19 +160,39 @@ pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffe
     let [width, height] = settings.size;
     assert_eq!(gbuffer.len(), (width * height) as usize, "one element a pixel");
     let layout = settings.layout.unwrap_or(Layout::Exact);
+    let cast = settings.shadows && scene.lights.iter().any(|light| light.shadow.is_some());
+    let visibility = cast.then(|| Visibility::new(scene));
+    let occlusion = visibility.as_ref().map(|visibility| Occlusion::new(scene, visibility));
     let light_factor = settings.exposure() * settings.light_scale;
     let pixels = gbuffer.par_iter().enumerate().map(|(index, stored)| {
         let pixel = [index as u32 % width, index as u32 / width];
         let light = if settings.light_target { stored.light } else { DVec3::ZERO };
         let surface = decode(layout, &Stored { light, ..*stored }, &view, pixel, light_factor);
-        Pixel { covered: stored.depth > 0.0, ..finish(scene, &view, settings, surface, surface.prelit) }
+        let prelit = surface.prelit;
+        finish(scene, &view, settings, occlusion.as_ref(), surface, prelit)
     });
     Frame { size: settings.size, pixels: pixels.collect() }
 }
 
-/// Adds the lights' reflection to `prelit` and applies the curve.
-fn finish(scene: &Scene, view: &View, settings: &Settings, attributes: Attributes, prelit: DVec3) -> Pixel {
-    let reflected = reflected(&attributes, view.to_viewer(attributes.position_world), scene);
+/// Adds the lights' reflection to `prelit`, then fog, and applies the curve.
+fn finish(
+    scene: &Scene,
+    view: &View,
+    settings: &Settings,
+    occlusion: Option<&Occlusion>,
+    attributes: Attributes,
+    prelit: DVec3,
+) -> Pixel {
+    let shadowed = Cell::new(0_u64);
+    let hidden = |light: usize, to_light| {
+        let hides = occlusion.is_some_and(|o| {
+            o.hides(&scene.lights[light], attributes.position_world, attributes.normal_world, to_light)
+        });
+        shadowed.update(|bits| bits | u64::from(hides).unbounded_shl(light as u32));
+        hides
+    };
+    let to_viewer = view.to_viewer(attributes.position_world);
+    let reflected = reflected(&attributes, to_viewer, scene, hidden);
     let linear = match settings.light_layout() {
         Some(layout) => {
             let factor = settings.exposure() * settings.light_scale;
@@ -173,7 +201,19 @@ fn finish(scene: &Scene, view: &View, settings: &Settings, attributes: Attribute
         }
         None => (prelit + reflected) * settings.exposure(),
     };
-    Pixel { linear, display: tonemap(settings.tonemap, linear), attributes, ..Pixel::default() }
+    let covered = attributes.depth > 0.0;
+    let linear = match &scene.fog {
+        Some(fog) if covered => {
+            let at = attributes.position_world;
+            fogged(fog, linear, settings.exposure(), view.ray_start(at), at)
+        }
+        _ => linear,
+    };
+    let display = match scene.background {
+        Background::Color(color) if !covered => color.as_dvec3(),
+        _ => tonemap(settings.tonemap, linear),
+    };
+    Pixel { covered, linear, display, attributes, shadowed: shadowed.get(), ..Pixel::default() }
 }
 
 /// Hits on a regular grid, one pixel apart.

@@ -3,7 +3,8 @@
 //! Everything here is computed from [`scene`](crate::scene) and the choices in [`plan`](crate::plan), and from
 //! nothing that a GPU does: visibility by rays through pixel centres ([`visibility`]), surfaces by
 //! interpolation at the hit ([`gbuffer`]), light by the formulas of glTF 2.0 ([`brdf`], [`punctual`],
-//! [`around`], [`mod@shade`]), the display by the curve's own definition ([`mod@tonemap`]). Functions carry the
+//! [`around`], [`mod@shade`]), fog between it and the viewer ([`fog`]), the display by the curve's own definition
+//! ([`mod@tonemap`]). Functions carry the
 //! names of their counterparts in `glsl/`, and each term names its source, so that the two can be read side by
 //! side.
 //!
@@ -15,18 +16,23 @@
 //! on both sides. Three things are *not* the GPU's own: a rasteriser snaps vertices to a subpixel grid and
 //! breaks ties at edges ([`Pixel::edge`] says where that can show); textures are read bilinearly from level 0,
 //! without mip levels or a driver's filter precision ([`texture`]), which [`shade_gbuffer`] avoids by shading
-//! attributes that a GPU wrote; and there are no shadows.
+//! attributes that a GPU wrote; and shadows have hard edges, which lie where rays say and not on a lattice of texels
+//! ([`shadow`], [`Pixel::shadowed`]).
 
 pub mod around;
 pub mod brdf;
 mod bvh;
 pub mod environment;
+pub mod fog;
 pub mod frame;
 pub mod gbuffer;
 pub mod globe;
+pub mod lightmap;
+pub mod path;
 pub mod punctual;
 pub mod quantise;
 pub mod shade;
+pub mod shadow;
 pub mod texture;
 pub mod tonemap;
 pub mod view;
@@ -39,5 +45,6 @@ pub use frame::{Frame, Pixel, Settings, render, shade_gbuffer};
 pub use gbuffer::Attributes;
 pub use quantise::{Stored, decode, encode, quantise};
 pub use shade::shade;
+pub use shadow::Occlusion;
 pub use view::View;
 pub use visibility::Visibility;

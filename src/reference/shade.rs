@@ -14,7 +14,13 @@ use crate::scene::Scene;
 /// 2007, 19.4.1). Zero where the surface is not lit.
 ///
 /// `to_viewer` is the unit vector from the surface to the viewer, world space.
-pub fn reflected(attributes: &Attributes, to_viewer: DVec3, scene: &Scene) -> DVec3 {
+/// `hidden` says whether something stands between the surface and the light with this index, in whose direction it is.
+pub fn reflected(
+    attributes: &Attributes,
+    to_viewer: DVec3,
+    scene: &Scene,
+    hidden: impl Fn(usize, DVec3) -> bool,
+) -> DVec3 {
     if !attributes.lit {
         return DVec3::ZERO;
     }
@@ -23,12 +29,13 @@ pub fn reflected(attributes: &Attributes, to_viewer: DVec3, scene: &Scene) -> DV
     scene
         .lights
         .iter()
-        .filter(|light| !light.is_dark())
-        .map(|light| {
+        .enumerate()
+        .filter(|(_, light)| !light.is_dark())
+        .map(|(index, light)| {
             let incident = incident(light, &scene.images, attributes.position_world);
             let diffuse = lambert * diffuse_irradiance(light, &incident, n);
             let n_dot_l = n.dot(incident.to_light);
-            if n_dot_l <= 0.0 || incident.illuminance == DVec3::ZERO {
+            if n_dot_l <= 0.0 || incident.illuminance == DVec3::ZERO || hidden(index, incident.to_light) {
                 return diffuse;
             }
             diffuse + brdf(attributes, n, to_viewer, incident.to_light) * incident.illuminance * n_dot_l
@@ -37,7 +44,7 @@ pub fn reflected(attributes: &Attributes, to_viewer: DVec3, scene: &Scene) -> DV
 }
 
 /// Exposed light towards the viewer: what the surface sends by itself and what it reflects, times `exposure`
-/// (the multiplier 2^EV).
+/// (the multiplier 2^EV); nothing stands between it and the lights.
 pub fn shade(attributes: &Attributes, to_viewer: DVec3, scene: &Scene, exposure: f64) -> DVec3 {
-    (attributes.prelit + reflected(attributes, to_viewer, scene)) * exposure
+    (attributes.prelit + reflected(attributes, to_viewer, scene, |_, _| false)) * exposure
 }

@@ -1,16 +1,21 @@
 //! What a view sees: geometry on the CPU, for whoever decides what is worth drawing. Knows the scene alone.
 
+mod cascades;
 mod clusters;
 mod frustum;
+mod illumination;
 mod order;
 mod reach;
+mod shadow_views;
 mod sight;
 
 #[cfg(test)]
 mod tests;
 
+pub use cascades::{Cascades, MOST_CASCADES, Sphere};
 pub use clusters::{Clusters, Grid};
 pub use frustum::Frustum;
 pub use order::{Distances, DrawOrder, sort_key, sorted_index};
 pub use reach::Reach;
+pub use shadow_views::{ShadowShape, ShadowView, TileSize};
 pub use sight::Sight;

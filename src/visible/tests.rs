@@ -121,6 +121,68 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn boxes_that_a_light_misses_stay_dark(
+        at in vector(10.0), size in vector(4.0), far in prop::sample::select(vec![0.0_f32, 100.0, 1e4]),
+        position in vector(10.0), direction_world in unit(), shape in 0..3, range_m in prop::option::of(0.1_f32..8.0),
+        outer_cone_rad in 0.01_f32..2.0, size_m in vector(5.0),
+    ) {
+        let kind = match shape {
+            0 => LightKind::Point { intensity_cd: 1.0 },
+            1 => LightKind::Spot { intensity_cd: 1.0, inner_cone_rad: 0.0, outer_cone_rad },
+            _ => LightKind::Box { illuminance_lx: 1.0, size_m: size_m.abs(), falloff_m: 0.0 },
+        };
+        let origin = Vec3::splat(far);
+        let light = Light { position_world: origin + position, range_m, ..Light::new(kind) }.towards(direction_world);
+        let bounds = Aabb { min: origin + at, max: origin + at + size.abs() };
+        if Reach::of(&light).misses_aabb(&bounds) {
+            let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+            prop_assert!(!cube().any(|p| lights(&light, min + (max - min) * p)), "{light:?}");
+        }
+    }
+}
+
+/// Whether a light adds anything at a point.
+fn lights(light: &Light, point_world: DVec3) -> bool {
+    let from_light = point_world - light.position_world.as_dvec3();
+    let in_range = light.range_m.is_none_or(|range| from_light.length() < f64::from(range));
+    let along = from_light.dot(light.direction_world.as_dvec3());
+    match light.kind {
+        LightKind::Directional { .. } | LightKind::Hemisphere { .. } => true,
+        LightKind::Point { .. } => in_range,
+        LightKind::Spot { outer_cone_rad, .. } => {
+            in_range && along > f64::from(outer_cone_rad).cos() * from_light.length()
+        }
+        LightKind::Box { size_m, .. } => {
+            let axes = [light.right_world(), light.up_world, light.direction_world];
+            axes.iter()
+                .zip(size_m.to_array())
+                .all(|(axis, size)| from_light.dot(axis.as_dvec3()).abs() < 0.5 * f64::from(size))
+        }
+    }
+}
+
+#[test]
+fn a_light_misses_what_is_plainly_beyond_its_reach() {
+    let bounds = |center: Vec3| Aabb { min: center - 0.5, max: center + 0.5 };
+    let sphere = Reach::Sphere { center_world: Vec3::ZERO, radius_m: 1.0 };
+    assert!(sphere.misses_aabb(&bounds(Vec3::X * 1.51)) && !sphere.misses_aabb(&bounds(Vec3::X * 1.49)));
+    assert!(sphere.misses_aabb(&bounds(Vec3::ONE * 1.1)), "the corner's distance counts");
+    let (sin, cos) = 0.4_f32.sin_cos();
+    let cone = Reach::Cone { apex_world: Vec3::ZERO, direction_world: Vec3::X, cos, sin, range_m: 9.0 };
+    assert!(!cone.misses_aabb(&bounds(Vec3::X * 5.0)) && cone.misses_aabb(&bounds(Vec3::X * -1.5)));
+    assert!(cone.misses_aabb(&bounds(Vec3::Y * 3.0)) && cone.misses_aabb(&bounds(Vec3::X * 9.6)));
+    let half_axes_world = [Vec3::new(1.0, 1.0, 0.0), Vec3::new(-1.0, 1.0, 0.0), Vec3::Z];
+    let turned = Reach::Box { center_world: Vec3::ZERO, half_axes_world };
+    assert!(
+        turned.misses_aabb(&bounds(Vec3::new(1.8, 1.8, 0.0))) && !turned.misses_aabb(&bounds(Vec3::X * 2.4))
+    );
+    assert!(!Reach::Everywhere.misses_aabb(&bounds(Vec3::splat(1e9))));
+}
+
 /// 90 degrees each way from the origin towards -Z, from 1 m to 10 m.
 fn square_view() -> Frustum {
     let projection =

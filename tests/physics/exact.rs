@@ -10,7 +10,7 @@ use crate::gpu::{Ask, Gpu, Rendered};
 use crate::{light_scenes, scenes};
 
 /// Every path that takes its own turn at the light.
-const PATHS: [Path; 2] = [Path::Deferred, Path::Forward];
+const PATHS: [Path; 3] = [Path::Deferred, Path::Forward, Path::ForwardMultipass];
 
 fn compare(rendered: &Rendered, scene: &Scene, camera: &Camera, settings: &Settings) -> Errors {
     Errors::of_display(&render(scene, camera, settings), &rendered.light())

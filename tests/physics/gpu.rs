@@ -123,6 +123,7 @@ impl Gpu {
             light_target,
             light_scale: if light_target { f64::from(layout.light_scale()) } else { 1.0 },
             around: Method::Prefiltered(plan.options.environment_format),
+            ..Settings::default()
         };
         let mut offscreen = Offscreen::new(device, scene, plan, RendererConfig::default(), &self.cache)
             .expect("a renderer can be made");

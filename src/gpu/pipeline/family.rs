@@ -4,6 +4,7 @@ use ash::vk;
 
 use super::super::descriptor::Binding;
 use super::super::shader::shared;
+use super::super::shared::LightPush;
 use super::super::{Device, Owned};
 use crate::Result;
 use crate::plan::{Around, Pipeline, Plan};
@@ -11,9 +12,10 @@ use crate::plan::{Around, Pipeline, Plan};
 /// Pipelines that take the same descriptor sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::gpu) struct Family {
-    /// The bindings of `SET_FRAME`: bit `n` is binding `n`.
     frame: u32,
     second: SecondSet,
+    /// Whether `LightPush` says which light it is.
+    one_light: bool,
 }
 
 /// The set beside `SET_FRAME`.
@@ -31,13 +33,15 @@ const FRAME: u32 = shared("BINDING_FRAME");
 const INSTANCES: u32 = shared("BINDING_INSTANCES");
 const LIGHTS: u32 = shared("BINDING_LIGHTS");
 const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
+const SHADOW_VIEWS: u32 = shared("BINDING_SHADOW_VIEWS");
+const SHADOW_MAP: u32 = shared("BINDING_SHADOW_MAP");
 const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
 const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 10] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -45,6 +49,8 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
         (LIGHTS, T::STORAGE_BUFFER, both),
         (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (SHADOW_VIEWS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (SHADOW_MAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
@@ -55,16 +61,19 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
 impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
-        let clusters = plan.clusters.is_some();
-        let frame: &[u32] = match pipeline {
-            Pipeline::Depth(_) => &[FRAME, INSTANCES],
-            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => &[FRAME, INSTANCES],
-            Pipeline::Surface(_) if clusters => &[FRAME, INSTANCES, LIGHTS, CLUSTERS],
-            Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
-            Pipeline::Lighting if clusters => &[FRAME, LIGHTS, CLUSTERS],
-            Pipeline::Lighting => &[FRAME, LIGHTS],
-            Pipeline::LightMask(_) | Pipeline::LightVolume(_) => &[FRAME, LIGHTS, VOLUMES],
-            Pipeline::Tonemap => &[FRAME],
+        // What shading reads of the lights.
+        let lighting = [LIGHTS].into_iter().chain(plan.clusters.map(|_| CLUSTERS));
+        let shadows = plan.shadow_map.iter().flat_map(|_| [SHADOW_VIEWS, SHADOW_MAP]);
+        let of_lights: Vec<u32> = match pipeline {
+            Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
+            Pipeline::LightVolume(_) => lighting.chain(shadows).chain([VOLUMES]).collect(),
+            Pipeline::Depth(_) | Pipeline::Tonemap => Vec::new(),
+            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() || plan.has_light_target() => {
+                Vec::new()
+            }
+            Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting => {
+                lighting.chain(shadows).collect()
+            }
         };
         let around: &[u32] = match pipeline {
             Pipeline::Surface(kind) => match kind.around {
@@ -74,22 +83,36 @@ impl Family {
             },
             _ => &[],
         };
+        let of_surfaces: &[u32] = if pipeline.is_of_surfaces() { &[INSTANCES] } else { &[] };
+        let frame = [FRAME].iter().chain(of_surfaces).chain(&of_lights).chain(around);
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
             Pipeline::LightMask(_) => SecondSet::Nothing,
-            Pipeline::Surface(kind) | Pipeline::Depth(kind) => {
+            Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
             Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
-        Self { frame: frame.iter().chain(around).fold(0, |bits, binding| bits | 1 << binding), second }
+        let one_light = matches!(pipeline, Pipeline::Light(_));
+        Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, one_light }
+    }
+
+    /// Whether its pipelines are told a light by push constant.
+    pub(in crate::gpu) fn has_push_constants(self) -> bool {
+        self.one_light
     }
 
     /// Whether the second set is a material's.
     pub(in crate::gpu) fn has_material(self) -> bool {
         matches!(self.second, SecondSet::Material { .. })
+    }
+
+    /// The bindings of `SET_FRAME`: bit `n` is binding `n`. Families with the same ones share the set, and a set that is
+    /// bound stays so while their pipelines take turns.
+    pub(in crate::gpu) fn frame(self) -> u32 {
+        self.frame
     }
 
     /// The bindings of `SET_FRAME`, and of the second set.
@@ -126,8 +149,12 @@ impl FamilyLayout {
         let sets = bindings.iter().filter(|b| !b.is_empty());
         let sets: Vec<_> = sets.map(|b| set_layout(device, family, b)).collect::<Result<_>>()?;
         let raw: Vec<_> = sets.iter().map(Owned::raw).collect();
-        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&raw);
-        // SAFETY: the set layouts are alive and belong to this device.
+        let push = vk::PushConstantRange::default()
+            .stage_flags(vk::ShaderStageFlags::FRAGMENT)
+            .size(size_of::<LightPush>() as u32);
+        let pushes: &[_] = if family.one_light { &[push] } else { &[] };
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&raw).push_constant_ranges(pushes);
+        // SAFETY: the set layouts are alive and belong to this device, and every device has 128 bytes to push.
         let layout = unsafe { device.create_pipeline_layout(&info, &format!("{family:?}")) }?;
         Ok(Self { sets, layout, bindings })
     }

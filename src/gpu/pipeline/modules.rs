@@ -1,8 +1,8 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightLoop, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
-    shared,
+    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, Specialization,
+    TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
 use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
@@ -11,7 +11,12 @@ use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
 /// are specialised with.
 pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
     let layout = plan.options.layout;
-    let output = OutputConstants { tonemap: plan.options.tonemap, dither: plan.options.dither };
+    let output = OutputConstants {
+        tonemap: plan.options.tonemap,
+        dither: plan.options.dither,
+        background: plan.needs.background,
+        fog: plan.needs.fog,
+    };
     let lighting = LightingConstants {
         has_directional: plan.needs.directional_lights > 0,
         has_point: plan.needs.point_lights > 0,
@@ -19,9 +24,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         has_box: plan.needs.box_lights > 0,
         has_hemisphere: plan.needs.hemisphere_lights > 0,
         has_back: plan.needs.back_colors > 0,
+        shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
         fold: plan.folded.then_some(output),
     };
-    let clusters = plan.clusters.is_some();
+    let shadows = plan.shadow_map.is_some();
+    let scan = if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All };
+    let lights = LightInputs { scan, shadows };
     let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
     let (vertex, fragment, constants) = match pipeline {
         Pipeline::Depth(kind) => {
@@ -43,26 +51,39 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 let light_target = plan.has_light_target();
                 let around = kind.around;
                 (vertex, Module::GeometryFragment { layout, light_target, textured, around }, constants)
+            } else if plan.has_light_target() {
+                let around = kind.around;
+                let constants = constants.and(lighting.specialization()).and(output.specialization());
+                (vertex, Module::Base { textured, around }, constants)
             } else if kind.unlit {
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
                 let around = kind.around;
-                let module = Module::Forward { textured, clusters, around };
+                let module = Module::Forward { textured, lights, around };
                 (vertex, module, constants.and(lighting.specialization()))
             }
         }
+        Pipeline::Light(kind) => {
+            let constants = surface_constants(plan, kind)
+                .specialization()
+                .and(lighting.specialization())
+                .and(output.specialization());
+            (vertex_module(kind), Module::Light { textured: kind.textures != 0, shadows }, constants)
+        }
         Pipeline::Lighting => {
-            let lights = if clusters { LightLoop::Cluster } else { LightLoop::All };
             let lighting = if one_by_one { lighting.only_global() } else { lighting };
             (Module::Fullscreen, Module::Lighting { layout, lights }, lighting.specialization())
         }
         Pipeline::LightMask(shape) => return (Module::LightVolume, None, shape_constant(*shape)),
         Pipeline::LightVolume(shape) => {
-            let module = Module::Lighting { layout, lights: LightLoop::One };
+            let module = Module::Lighting { layout, lights: LightInputs { scan: LightLoop::One, shadows } };
             let constants = lighting.only_local().specialization().and(shape_constant(*shape));
             (Module::LightVolume, module, constants)
         }
-        Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
+        Pipeline::Tonemap => {
+            let fog = plan.needs.fog.is_some() && plan.has_gbuffer();
+            (Module::Fullscreen, Module::Tonemap { fog }, output.specialization())
+        }
     };
     (vertex, Some(fragment), constants)
 }

@@ -64,14 +64,18 @@ pub(super) struct FixedState {
 impl FixedState {
     pub(super) fn new(subpass: &Subpass, pipeline: &Pipeline) -> Self {
         let cull = match pipeline {
-            Pipeline::Surface(kind) | Pipeline::Depth(kind) if !kind.double_sided => vk::CullModeFlags::BACK,
+            Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) if !kind.double_sided => {
+                vk::CullModeFlags::BACK
+            }
             // The far side of a volume is there wherever the camera is, and covers each pixel once.
             Pipeline::LightVolume(shape) if *shape != VolumeShape::Screen => vk::CullModeFlags::FRONT,
             _ => vk::CullModeFlags::NONE,
         };
         // Clip space has y down, so triangles that are counter-clockwise in the world stay so on the image.
         let front = match pipeline {
-            Pipeline::Surface(kind) | Pipeline::Depth(kind) if kind.mirrored => vk::FrontFace::CLOCKWISE,
+            Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) if kind.mirrored => {
+                vk::FrontFace::CLOCKWISE
+            }
             _ => vk::FrontFace::COUNTER_CLOCKWISE,
         };
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
@@ -107,10 +111,12 @@ fn depth_stencil(subpass: &Subpass, pipeline: &Pipeline) -> vk::PipelineDepthSte
     let every = vk::StencilOpState::default().compare_mask(0xff).write_mask(0xff);
     match pipeline {
         // Surfaces whose depth is there already pass where they are what was found nearest.
-        Pipeline::Surface(_) | Pipeline::Depth(_) => test.depth_compare_op(match subpass.depth_write {
-            true => vk::CompareOp::GREATER,
-            false => vk::CompareOp::EQUAL,
-        }),
+        Pipeline::Surface(_) | Pipeline::Depth(_) | Pipeline::Light(_) => {
+            test.depth_compare_op(match subpass.depth_write {
+                true => vk::CompareOp::GREATER,
+                false => vk::CompareOp::EQUAL,
+            })
+        }
         // A surface in front of the volume has both of its sides behind it, one behind the volume none, and one within
         // it the far side only: it alone is left with a count that is not 0, whatever side is counted first. Without a
         // near plane's end it holds too: what the near plane cuts off would have been in front of all surfaces.

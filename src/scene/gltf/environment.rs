@@ -6,17 +6,13 @@
 
 use super::document::Document;
 use super::extras::{Extra, Extras};
-use super::source;
+use super::{node, source};
 use crate::Result;
 use crate::scene::Environment;
 
-const KNOWN: [&str; 1] = ["environment"];
-
 /// The environment of the scene that is drawn.
 pub fn read_environment(doc: &Document) -> Result<Option<Environment>> {
-    let index = doc.root.scene.map_or(0, |scene| scene.value());
-    let Some(scene) = doc.root.scenes.get(index) else { return Ok(None) };
-    let extras = Extras::read(doc, &[(&scene.extras, format!("scenes[{index}]"))], &KNOWN)?;
+    let extras = node::extras_of_scene(doc)?;
     let Some(extra) = extras.get("environment") else { return Ok(None) };
     let values = extra.object(&["file", "rotation", "intensity"])?;
     Ok(Some(Environment {

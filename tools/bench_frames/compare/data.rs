@@ -99,6 +99,9 @@ pub struct Measured {
     pub frame_ms: Vec<f64>,
     /// Milliseconds that recording took the CPU, median.
     pub record_ms: f64,
+    /// Milliseconds of each stage, medians of frames with a timestamp after each, in the frame's order; where asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stage_ms: Vec<(String, f64)>,
     /// Draw calls of the first frame, which also draws shadow maps that are then kept.
     pub first_draws: usize,
     /// Draw calls of the last frame.

@@ -18,12 +18,17 @@ const WARM_UP: usize = 2;
 /// Rounds that are measured however long they take.
 const LEAST_ROUNDS: usize = 6;
 
+/// For the stages' medians, which are about where the time goes, not about who wins.
+const MOST_STAGE_FRAMES: usize = 9;
+
 /// One row of a table before it is measured.
 pub struct Case {
     pub label: String,
     pub x: f64,
     pub size: [u32; 2],
     pub ways: Vec<Way>,
+    /// Also tell what each stage takes.
+    pub stages: bool,
 }
 
 /// One way to draw.
@@ -68,13 +73,41 @@ pub fn case(device: &Device, case: &Case, effort: Effort) -> Result<Row> {
             }
         }
     }
-    let cells = case.ways.iter().zip(racers).map(|(way, racer)| Cell {
-        way: way.name.clone(),
-        outcome: racer.map_or_else(|reason| Outcome::Refused(reason.to_string()), Racer::finish),
+    let Case { label, x, size, ways, stages } = case;
+    let cells = ways.iter().zip(racers).map(|(way, racer)| {
+        let outcome = match racer.map(Racer::finish) {
+            Ok(mut measured) => {
+                if *stages {
+                    measured.stage_ms = stage_ms(device, way, *size, effort.rounds.min(MOST_STAGE_FRAMES))?;
+                }
+                Outcome::Measured(measured)
+            }
+            Err(reason) => Outcome::Refused(reason.to_string()),
+        };
+        Ok(Cell { way: way.name.clone(), outcome })
     });
-    let Case { label, x, size, ways } = case;
+    let cells = cells.collect::<Result<_>>()?;
     let auto = ways.first().and_then(|way| auto(device, &way.scene, *size));
-    Ok(Row { label: label.clone(), x: *x, size: *size, auto, cells: cells.collect() })
+    Ok(Row { label: label.clone(), x: *x, size: *size, auto, cells })
+}
+
+/// Medians of some frames with a timestamp after each stage. They are frames of their own, since such timestamps may keep
+/// stages from overlapping.
+fn stage_ms(device: &Device, way: &Way, size: [u32; 2], frames: usize) -> Result<Vec<(String, f64)>> {
+    let options = Options { size, ..way.options.clone() };
+    let mut host = Host::new(device, &way.scene, &options, true)?;
+    let mut frame = || host.frame(&View { camera: &way.scene.cameras[0], exposure_ev: 0.0 });
+    for _ in 0..WARM_UP {
+        frame()?;
+    }
+    let frames = (0..frames).map(|_| frame()).collect::<Result<Vec<_>>>()?;
+    let names = host.stages().into_iter().enumerate();
+    Ok(names
+        .filter_map(|(i, name)| {
+            let of_stage: Vec<_> = frames.iter().filter_map(|f| f.stages_ms.get(i).copied()).collect();
+            Some((name.to_owned(), rounded(median(&of_stage)?)))
+        })
+        .collect())
 }
 
 /// What `auto` would choose.
@@ -123,9 +156,9 @@ impl Racer {
         Ok(())
     }
 
-    fn finish(self) -> Outcome {
+    fn finish(self) -> Measured {
         let (counts, plan) = (self.host.renderer.recorded().counts, self.host.renderer.plan());
-        Outcome::Measured(Measured {
+        Measured {
             record_ms: rounded(median(&self.record_ms).unwrap_or_default()),
             draws: counts.draws,
             state_changes: counts.state_changes.total(),
@@ -133,7 +166,7 @@ impl Racer {
             lights: counts.lights.visible,
             plan: format!("{}, {}", plan.path, plan.light_way),
             ..self.measured
-        })
+        }
     }
 }
 

@@ -216,6 +216,19 @@ fn numbers(page: &mut String, run: &Run, table: &Table) {
             );
         }
     }
+    for row in table
+        .rows
+        .iter()
+        .filter(|row| row.cells.iter().any(|c| c.measured().is_some_and(|m| !m.stage_ms.is_empty())))
+    {
+        let of_way = |way: &&str| {
+            let stages = &row.measured(way)?.stage_ms;
+            let stages: Vec<_> = stages.iter().map(|(name, ms)| format!("{name} {ms:.1}")).collect();
+            (!stages.is_empty()).then(|| format!("{way}: {}", stages.join(", ")))
+        };
+        let told: Vec<_> = shown.iter().filter_map(of_way).collect();
+        let _ = writeln!(page, "\nMilliseconds of the stages at {}: {}.", row.label, told.join("; "));
+    }
     let recorded = |row: &Row, way: &&str| row.measured(way).map(|m| format!("{way} {:.2}", m.record_ms));
     if let (Some(row), TableName::Lights) = (table.rows.last(), table.name) {
         let told: Vec<_> = shown.iter().filter_map(|way| recorded(row, way)).collect();

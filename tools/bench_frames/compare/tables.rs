@@ -52,9 +52,9 @@ pub fn cases(name: TableName, device: &Device, settings: &Settings) -> Result<Ve
         TableName::Sets => {
             let scene = Rc::new(scenes::interior()?);
             let ways = [MULTIPASS, WITHOUT_SETS]
-                .map(|name| way(name, &scene, Path::ForwardMultipass, LightWay::Auto))
+                .map(|name| way(name, &scene, Path::ForwardMultipass, LightWay::Clusters))
                 .into();
-            vec![Case { label: "interior".into(), x: 0.0, size: s.view_size, ways }]
+            vec![Case { label: "interior".into(), x: 0.0, size: s.view_size, ways, stages: false }]
         }
         TableName::Lights => {
             let counts = places(s, 1, s.most_lights);
@@ -79,10 +79,10 @@ pub fn cases(name: TableName, device: &Device, settings: &Settings) -> Result<Ve
             let case = |n: usize| {
                 let scene = Rc::new(scenes::layers(n));
                 let mut ways = paths(&scene);
-                let mut prepass = way(PREPASS, &scene, Path::Forward, LightWay::Auto);
+                let mut prepass = way(PREPASS, &scene, Path::Forward, LightWay::Clusters);
                 prepass.options.depth_prepass = true;
                 ways.insert(2, prepass);
-                Case { label: format!("{n}"), x: n as f64, size: s.sweep_size, ways }
+                Case { label: format!("{n}"), x: n as f64, size: s.sweep_size, ways, stages: false }
             };
             places(s, 1, 16).into_iter().map(case).collect()
         }
@@ -109,7 +109,7 @@ fn way(name: &str, scene: &Rc<Scene>, path: Path, lights: LightWay) -> Way {
 /// Deferred as `auto` lights it, and both kinds of forward.
 fn paths(scene: &Rc<Scene>) -> Vec<Way> {
     [Path::Deferred, Path::Forward, Path::ForwardMultipass]
-        .map(|path| way(path.name(), scene, path, LightWay::Auto))
+        .map(|path| way(path.name(), scene, path, LightWay::Clusters))
         .into()
 }
 
@@ -127,6 +127,8 @@ fn by_size(scene: Scene, settings: &Settings) -> Vec<Case> {
         x: f64::from(width) * f64::from(height) * 1e-6,
         size: [width, height],
         ways: paths(&scene),
+        // Of the largest.
+        stages: settings.sizes.last() == Some(&[width, height]),
     };
     settings.sizes.iter().map(case).collect()
 }
@@ -143,6 +145,7 @@ fn draws(settings: &Settings) -> Result<Vec<Case>> {
         x: i as f64,
         size: settings.view_size,
         ways: paths(&Rc::new(scene)),
+        stages: false,
     };
     Ok(rows.into_iter().enumerate().map(case).collect())
 }
@@ -158,6 +161,7 @@ fn coverage(device: &Device, settings: &Settings) -> Result<Vec<Case>> {
             x: i as f64,
             size: settings.view_size,
             ways: paths(&Rc::new(scene)),
+            stages: false,
         })
     };
     rows.into_iter().enumerate().map(case).collect()
@@ -178,6 +182,7 @@ fn floating(settings: &Settings) -> Vec<Case> {
         x: 0.0,
         size: settings.view_size,
         ways: pairs.into_iter().flatten().collect(),
+        stages: false,
     }]
 }
 
@@ -188,7 +193,7 @@ fn lights_case(scene: Scene, x: f64, label: String, settings: &Settings, forward
     if forward {
         ways.extend(paths(&scene).into_iter().skip(1));
     }
-    Case { label, x, size: settings.sweep_size, ways }
+    Case { label, x, size: settings.sweep_size, ways, stages: false }
 }
 
 #[cfg(test)]

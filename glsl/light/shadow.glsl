@@ -1,0 +1,120 @@
+// How much of a light gets past what stands in its way.
+
+layout(constant_id = ID_SHADOW_FILTER) const uint SHADOW_FILTER = SHADOW_FILTER_GRID3;
+
+// A tile of the shadow map. Mirrors ShadowViewData in src/gpu/shared.rs.
+struct ShadowView {
+    mat4 map_from_world; // homogeneous: xy of the whole map, 0 to 1; reversed depth
+    vec4 tile;           // least and greatest xy that samples may have: the outermost texels' centres
+    float texel_m;       // width of a texel at w = 1
+    float spread_texels; // the filter's radius
+    float offset_texels; // how far receivers are moved along their normal at grazing light
+    float lift_texels;   // and towards the light
+};
+
+layout(set = SET_FRAME, binding = BINDING_SHADOW_VIEWS, std430) readonly buffer ShadowViews {
+    ShadowView list[];
+} shadow_views;
+
+// Compares: 1 where the receiver is at least as near to the light as what the map holds.
+layout(set = SET_FRAME, binding = BINDING_SHADOW_MAP) uniform sampler2DShadow shadow_map;
+
+// What a light has of the map: Light.shadow is the first view + 1 and, 16 bits up, the number of views; 0: no shadow.
+const uint SHADOW_COUNT_SHIFT = 16u;
+const uint SHADOW_FACES = 6u;
+
+// The hardware compares the four texels around `at` and interpolates the results.
+float shadow_sample(ShadowView view, vec2 at, float depth) {
+    return textureLod(shadow_map, vec3(clamp(at, view.tile.xy, view.tile.zw), depth), 0.0);
+}
+
+// n x n samples over the square of the filter's radius.
+float shadow_grid(ShadowView view, vec2 at, vec2 radius, float depth, int n) {
+    float lit = 0.0;
+    for (int y = 0; y < n; ++y) {
+        for (int x = 0; x < n; ++x) {
+            vec2 offset = vec2(x, y) * (2.0 / float(n - 1)) - 1.0;
+            lit += shadow_sample(view, at + offset * radius, depth);
+        }
+    }
+    return lit / float(n * n);
+}
+
+// Samples on a disc along Vogel's spiral (Vogel 1979, "A better way to construct the sunflower head"), turned by another
+// angle in each pixel: interleaved gradient noise (Jimenez 2014, "Next Generation Post Processing in Call of Duty: Advanced
+// Warfare"), whose 3x3 neighbours have all different values. The same pixel always has the same.
+float shadow_jittered(ShadowView view, vec2 at, vec2 radius, float depth) {
+    const int SAMPLES = 12;
+    const float GOLDEN_ANGLE = 2.39996322972865332;
+    float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+    float lit = 0.0;
+    for (int i = 0; i < SAMPLES; ++i) {
+        float angle = GOLDEN_ANGLE * float(i) + 2.0 * PI * noise;
+        float distance = sqrt((float(i) + 0.5) / float(SAMPLES));
+        lit += shadow_sample(view, at + vec2(cos(angle), sin(angle)) * (distance * radius), depth);
+    }
+    return lit / float(SAMPLES);
+}
+
+// `p` is the receiver's place in the map, homogeneous.
+float shadow_filtered(ShadowView view, vec4 p) {
+    vec2 at = p.xy / p.w;
+    // Cleared texels hold 0: nothing beyond the far plane is in shadow.
+    float depth = max(p.z / p.w, 0.0);
+    vec2 radius = view.spread_texels / vec2(textureSize(shadow_map, 0));
+    switch (SHADOW_FILTER) {
+        case SHADOW_FILTER_HARDWARE: return shadow_sample(view, at, depth);
+        case SHADOW_FILTER_GRID5: return shadow_grid(view, at, radius, depth, 5);
+        case SHADOW_FILTER_JITTERED: return shadow_jittered(view, at, radius, depth);
+        default: return shadow_grid(view, at, radius, depth, 3);
+    }
+}
+
+// Where a receiver is compared, so that it does not shadow itself. A texel holds one depth for all places that fall into
+// it, and a filter compares with texels up to R away: on a plane at an angle theta to the light they are nearer to the light
+// by up to R * tan(theta). Moving the receiver by d along its normal brings it d / cos(theta) nearer, so that
+// d = R * sin(theta) is just enough at every angle (Holbert 2011, "Saying Goodbye to Shadow Acne", GDC poster). What is moved
+// towards the light covers rounding where theta is 0.
+vec3 shadow_receiver(ShadowView view, float texel_m, vec3 position, vec3 normal, vec3 to_light) {
+    float n_dot_l = dot(normal, to_light);
+    float sine = sqrt(max(1.0 - n_dot_l * n_dot_l, 0.0));
+    return position + (normal * (view.offset_texels * sine) + to_light * view.lift_texels) * texel_m;
+}
+
+// The view's texels at the place, in metres.
+float shadow_texel_m(ShadowView view, vec3 position) {
+    mat4 m = view.map_from_world;
+    return view.texel_m * dot(vec4(m[0].w, m[1].w, m[2].w, m[3].w), vec4(position, 1.0));
+}
+
+// 0 in shadow to 1 in full light, for a light with a shadow. All in world space; `to_light` has unit length.
+float shadow(uint light_shadow, vec3 light_position, vec3 position, vec3 normal, vec3 to_light) {
+    uint first = (light_shadow & ((1u << SHADOW_COUNT_SHIFT) - 1u)) - 1u;
+    uint count = light_shadow >> SHADOW_COUNT_SHIFT;
+    if (count == SHADOW_FACES) {
+        // All faces have texels of one size; how large they are at a place depends on the face.
+        vec3 from_light = position - light_position;
+        float along = max(max(abs(from_light.x), abs(from_light.y)), abs(from_light.z));
+        float texel_m = shadow_views.list[first].texel_m * along;
+        position = shadow_receiver(shadow_views.list[first], texel_m, position, normal, to_light);
+        from_light = position - light_position;
+        vec3 size = abs(from_light);
+        uint face = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 2u : 4u;
+        float side = face == 0u ? from_light.x : face == 2u ? from_light.y : from_light.z;
+        ShadowView view = shadow_views.list[first + face + (side < 0.0 ? 1u : 0u)];
+        return shadow_filtered(view, view.map_from_world * vec4(position, 1.0));
+    }
+    // The finest view that holds the place and what filters read around it; a light of one view shines within it only.
+    for (uint i = first; i < first + count; ++i) {
+        ShadowView view = shadow_views.list[i];
+        vec3 receiver = shadow_receiver(view, shadow_texel_m(view, position), position, normal, to_light);
+        vec4 p = view.map_from_world * vec4(receiver, 1.0);
+        vec2 reach = (view.spread_texels + 1.0) / vec2(textureSize(shadow_map, 0));
+        bool inside = p.w > 0.0 && all(greaterThan(p.xy, (view.tile.xy + reach) * p.w))
+            && all(lessThan(p.xy, (view.tile.zw - reach) * p.w));
+        if (inside) {
+            return shadow_filtered(view, p);
+        }
+    }
+    return 1.0;
+}

@@ -1,0 +1,229 @@
+//! Recording a frame: passes, subpasses and their draws.
+
+use std::ops::Range;
+
+use ash::vk;
+
+use super::super::objects::Batch;
+use super::super::scene_data::BoundMesh;
+use super::super::shared::LightPush;
+use super::super::{Recorder, Target};
+use super::Renderer;
+use crate::plan::{FrameCounts, Pipeline, VolumeShape};
+
+/// One frame while it is recorded.
+pub(super) struct Frame<'a> {
+    pub(super) renderer: &'a Renderer,
+    pub(super) recorder: &'a Recorder<'a>,
+    pub(super) slot: usize,
+    pub(super) target: &'a Target,
+    pub(super) output: usize,
+    pub(super) counts: FrameCounts,
+    /// What is bound as `SET_FRAME`, and whether by a layout with push constants: only layouts that agree in them share it.
+    pub(super) bound_frame: Option<(vk::DescriptorSet, bool)>,
+}
+
+impl Frame<'_> {
+    pub(super) fn record(&mut self) {
+        let Renderer { plan, passes, config, queries, .. } = self.renderer;
+        let (recorder, slot) = (self.recorder, self.slot as u32);
+        let stages = plan.stage_count();
+        let mut stage = 0;
+        for (index, pass) in plan.passes.iter().enumerate() {
+            self.begin_pass(index, passes[index].raw());
+            for (subpass, planned) in pass.subpasses.iter().enumerate() {
+                if subpass > 0 {
+                    // SAFETY: the command buffer is recording this pass, which has another subpass.
+                    unsafe {
+                        let device = recorder.device().raw();
+                        device.cmd_next_subpass(recorder.raw(), vk::SubpassContents::INLINE);
+                    }
+                }
+                let _label = recorder.label(planned.name);
+                self.draw_stage(stage);
+                stage += 1;
+                if config.stage_timestamps && stage < stages {
+                    let index = stage as u32;
+                    queries.timestamp(recorder, slot, index, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
+                }
+            }
+            // SAFETY: the pass is being recorded and its last subpass was entered.
+            unsafe { recorder.device().raw().cmd_end_render_pass(recorder.raw()) };
+        }
+        let last = if config.stage_timestamps { stages } else { 1 };
+        queries.timestamp(recorder, slot, last as u32, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
+        queries.end_statistics(recorder, slot);
+    }
+
+    fn begin_pass(&self, index: usize, pass: vk::RenderPass) {
+        let extent = self.target.extent();
+        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
+        let info = vk::RenderPassBeginInfo::default()
+            .render_pass(pass)
+            .framebuffer(self.target.framebuffer(self.output, index))
+            .render_area(area)
+            .clear_values(self.target.clear_values(index));
+        let viewport = vk::Viewport {
+            x: 0.0,
+            y: 0.0,
+            width: extent.width as f32,
+            height: extent.height as f32,
+            min_depth: 0.0,
+            max_depth: 1.0,
+        };
+        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+        // SAFETY: the framebuffer was made for this pass, with one clear value per attachment.
+        unsafe {
+            device.cmd_begin_render_pass(raw, &info, vk::SubpassContents::INLINE);
+            device.cmd_set_viewport(raw, 0, &[viewport]);
+            device.cmd_set_scissor(raw, 0, &[area]);
+        }
+    }
+
+    fn draw_stage(&mut self, stage: usize) {
+        self.draw_surfaces(stage);
+        let plan = &self.renderer.plan;
+        let of_stage =
+            plan.pipelines.iter().enumerate().filter(|(_, (s, p))| *s == stage && !p.is_of_surfaces());
+        for (index, (_, pipeline)) in of_stage {
+            match pipeline {
+                Pipeline::LightVolume(shape) => self.draw_volumes(stage, index, *shape),
+                // Drawn in turns with the pipeline that follows it.
+                Pipeline::LightMask(_) => {}
+                _ => {
+                    self.bind_with_inputs(stage, index);
+                    self.draw_generated(3, 0..1);
+                }
+            }
+        }
+    }
+
+    /// Draws the lights of a shape: all at once, or each after its mask.
+    fn draw_volumes(&mut self, stage: usize, pipeline: usize, shape: VolumeShape) {
+        let Renderer { plan, scene, .. } = self.renderer;
+        let vertices = match shape {
+            VolumeShape::Screen => 3,
+            VolumeShape::Sphere => 60,
+            VolumeShape::Cone => 48,
+            VolumeShape::Box => 36,
+        };
+        let lights = scene.light_volumes(shape);
+        let mask = pipeline.checked_sub(1).filter(|&p| plan.pipelines[p].1 == Pipeline::LightMask(shape));
+        match mask {
+            _ if lights.is_empty() => {}
+            None => {
+                self.bind_with_inputs(stage, pipeline);
+                self.draw_generated(vertices, lights);
+            }
+            Some(mask) => {
+                for light in lights {
+                    self.bind_pipeline(mask);
+                    self.draw_generated(vertices, light..light + 1);
+                    self.bind_with_inputs(stage, pipeline);
+                    self.draw_generated(vertices, light..light + 1);
+                }
+            }
+        }
+    }
+
+    /// Draws without vertex buffers.
+    fn draw_generated(&mut self, vertices: u32, instances: Range<u32>) {
+        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+        // SAFETY: the bound pipeline makes its vertices from their indices.
+        unsafe { device.cmd_draw(raw, vertices, instances.len() as u32, 0, instances.start) };
+        self.counts.draws += 1;
+        self.counts.triangles += u64::from(vertices / 3) * instances.len() as u64;
+    }
+
+    /// Binds a pipeline, the frame's buffers and the stage's input attachments.
+    fn bind_with_inputs(&mut self, stage: usize, index: usize) {
+        let layout = self.bind_pipeline(index);
+        if let Some(inputs) = self.target.inputs(self.output, stage) {
+            self.bind_set(layout, 1, inputs);
+        }
+    }
+
+    /// Draws what the view sees of all surfaces that the stage draws.
+    fn draw_surfaces(&mut self, stage: usize) {
+        let Renderer { plan, pipelines, scene, .. } = self.renderer;
+        let mut bound_mesh = BoundMesh::default();
+        let (mut bound_pipeline, mut bound_material) = (None, None);
+        for batch in scene.objects().visible_batches() {
+            let Some(index) = pipelines.drawing(stage, batch.pipeline) else { continue };
+            let layout = match bound_pipeline {
+                Some((bound, layout)) if bound == index => layout,
+                _ => {
+                    bound_material = None;
+                    self.bind_pipeline(index)
+                }
+            };
+            bound_pipeline = Some((index, layout));
+            if pipelines.families[index].has_material() && bound_material != Some(batch.material_set) {
+                self.bind_set(layout, 1, scene.material_set(batch.material_set));
+                bound_material = Some(batch.material_set);
+            }
+            scene.bind_mesh(self.recorder, batch, &mut bound_mesh, &mut self.counts.state_changes);
+            match plan.pipelines[index].1 {
+                Pipeline::Light(_) => self.draw_for_each_light(batch, layout),
+                _ => self.draw_instances(batch, batch.visible.clone()),
+            }
+        }
+    }
+
+    /// Draws of a batch what each light reaches, or all of it where the plan has no illumination sets. The lights take
+    /// turns within a batch, not the batches within a light, so that state changes once; a pixel gets them in the same
+    /// order either way.
+    fn draw_for_each_light(&mut self, batch: &Batch, layout: vk::PipelineLayout) {
+        let scene = &self.renderer.scene;
+        for (light, reach) in (0..).zip(scene.light_reaches()) {
+            let mut rest = batch.visible.clone();
+            let push = LightPush { light };
+            let mut pushed = false;
+            loop {
+                let run = scene.objects().first_lit(rest.clone(), reach);
+                if run.is_empty() {
+                    break;
+                }
+                if !pushed {
+                    let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+                    let stages = vk::ShaderStageFlags::FRAGMENT;
+                    // SAFETY: the layout has these bytes for this stage.
+                    unsafe { device.cmd_push_constants(raw, layout, stages, 0, bytemuck::bytes_of(&push)) };
+                    pushed = true;
+                }
+                self.draw_instances(batch, run.clone());
+                rest.start = run.end;
+            }
+        }
+    }
+
+    fn draw_instances(&mut self, batch: &Batch, instances: Range<u32>) {
+        self.renderer.scene.draw(self.recorder, batch, instances, &mut self.counts);
+    }
+
+    /// Binds the n-th of `Plan::pipelines` and what its frame has once.
+    fn bind_pipeline(&mut self, index: usize) -> vk::PipelineLayout {
+        let Renderer { pipelines, scene, .. } = self.renderer;
+        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+        let pipeline = pipelines.pipelines[index].raw();
+        // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
+        unsafe { device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::GRAPHICS, pipeline) };
+        self.counts.state_changes.pipelines += 1;
+        let layout = pipelines.layout_of(index).layout.raw();
+        let set = scene.frame_set(self.slot, pipelines.families[index]);
+        let bound = Some((set, pipelines.families[index].has_push_constants()));
+        if self.bound_frame != bound {
+            self.bind_set(layout, 0, set);
+            self.bound_frame = bound;
+        }
+        layout
+    }
+
+    fn bind_set(&mut self, layout: vk::PipelineLayout, index: u32, set: vk::DescriptorSet) {
+        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+        let point = vk::PipelineBindPoint::GRAPHICS;
+        // SAFETY: the set was allocated with the layout's n-th set layout, and all its bindings are written.
+        unsafe { device.cmd_bind_descriptor_sets(raw, point, layout, index, &[set], &[]) };
+        self.counts.state_changes.descriptor_sets += 1;
+    }
+}

@@ -1,0 +1,117 @@
+//! What views the lights' shadows take.
+
+use std::f32::consts::SQRT_2;
+
+use glam::{DMat4, DVec3, DVec4};
+
+use super::super::shared::ShadowViewData;
+use crate::plan::{ShadowFilter, ShadowLight, ShadowMap, Tile, spread_texels};
+use crate::scene::{Aabb, Camera, Light, Scene};
+use crate::visible::{Cascades, MOST_CASCADES, ShadowShape, ShadowView};
+
+/// How far receivers are moved towards the light, texels: less than what is seen, more than what rounding does to places.
+const LIFT_TEXELS: f32 = 0.05;
+
+/// A light with its part of the shadow map.
+pub(super) struct LightViews {
+    light: Light,
+    place: ShadowLight,
+    spread_texels: f32,
+    offset_texels: f32,
+}
+
+impl LightViews {
+    /// Those of the map, in its order.
+    pub(super) fn of(scene: &Scene, filter: ShadowFilter, map: &ShadowMap) -> Vec<Self> {
+        let views = map.lights.iter().map(|place| Self::new(&scene.lights[place.light], filter, place));
+        views.collect()
+    }
+
+    fn new(light: &Light, filter: ShadowFilter, place: &ShadowLight) -> Self {
+        let shadow = light.shadow.unwrap_or_default();
+        let room = place.size.guard.saturating_sub(ShadowMap::FILTER_MARGIN) as f32;
+        let wanted = spread_texels(shadow).min(room);
+        // And the distance to the farthest sample: a corner of a square, or a point on a circle.
+        let (spread_texels, reach) = match filter {
+            ShadowFilter::Hardware => (0.0, 0.0),
+            ShadowFilter::Grid3 | ShadowFilter::Grid5 => (wanted, wanted * SQRT_2),
+            ShadowFilter::Jittered => (wanted, wanted),
+        };
+        let offset_texels = reach + shadow.bias_texels;
+        Self { light: light.clone(), place: place.clone(), spread_texels, offset_texels }
+    }
+
+    /// Changes the light; its tiles stay the same.
+    pub(super) fn set(&mut self, light: &Light, filter: ShadowFilter) {
+        *self = Self::new(light, filter, &self.place);
+    }
+
+    /// Index into `Scene::lights`.
+    pub(super) fn index(&self) -> usize {
+        self.place.light
+    }
+
+    /// What views its shadow takes.
+    pub(super) fn shape(&self) -> ShadowShape {
+        self.place.shape
+    }
+
+    /// Calls `want` with what each of the light's tiles should show; `None` where it has no use for one.
+    pub(super) fn views(
+        &self,
+        camera: &Camera,
+        aspect: f64,
+        bounds_world: &Aabb,
+        mut want: impl FnMut(usize, Option<ShadowView>),
+    ) {
+        let Self { light, place, .. } = self;
+        if light.shadow.is_none() || light.is_dark() {
+            place.tiles.clone().for_each(|tile| want(tile, None));
+            return;
+        }
+        match place.shape {
+            ShadowShape::Cascades => {
+                let cascades =
+                    Cascades::new(camera, aspect, bounds_world, place.tiles.len().min(MOST_CASCADES));
+                let direction = light.direction_world.as_dvec3();
+                for (i, tile) in place.tiles.clone().enumerate() {
+                    let sphere = cascades.spheres().get(i);
+                    want(tile, sphere.map(|s| ShadowView::cascade(direction, s, bounds_world, place.size)));
+                }
+            }
+            ShadowShape::Slab => want(place.tiles.start, Some(ShadowView::slab(light, place.size))),
+            ShadowShape::Cone => want(place.tiles.start, Some(ShadowView::cone(light, place.size))),
+            ShadowShape::Cube => {
+                for (face, tile) in place.tiles.clone().enumerate() {
+                    want(tile, Some(ShadowView::face(light, face, place.size)));
+                }
+            }
+        }
+    }
+
+    /// The light's tiles.
+    pub(super) fn tiles(&self) -> std::ops::Range<usize> {
+        self.place.tiles.clone()
+    }
+
+    /// What shaders need to look up a tile that shows `view`.
+    pub(super) fn data(&self, view: &ShadowView, tile: &Tile, map: &ShadowMap) -> ShadowViewData {
+        let size = DVec3::new(f64::from(map.size[0]), f64::from(map.size[1]), 1.0);
+        let [x, y, side] = [tile.x, tile.y, tile.texels].map(f64::from);
+        // From the tile's clip space to the map's texture coordinates.
+        let scale = DVec3::new(side * 0.5, side * 0.5, 1.0) / size;
+        let offset = DVec3::new(x + side * 0.5, y + side * 0.5, 0.0) / size;
+        let map_from_clip =
+            DMat4::from_cols(DVec4::X * scale.x, DVec4::Y * scale.y, DVec4::Z, offset.extend(1.0));
+        let least = [(x + 0.5) / size.x, (y + 0.5) / size.y];
+        let greatest = [(x + side - 0.5) / size.x, (y + side - 0.5) / size.y];
+        ShadowViewData {
+            map_from_world: (map_from_clip * view.clip_from_world.as_dmat4()).as_mat4().to_cols_array_2d(),
+            tile: [least[0], least[1], greatest[0], greatest[1]].map(|n| n as f32),
+            texel_m: view.texel_m,
+            spread_texels: self.spread_texels,
+            offset_texels: self.offset_texels,
+            lift_texels: LIFT_TEXELS,
+        }
+    }
+}

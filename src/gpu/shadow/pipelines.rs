@@ -1,0 +1,267 @@
+//! The pass that draws one tile of the shadow map, and its pipelines.
+
+use ash::vk;
+
+use super::super::descriptor::Binding;
+use super::super::shader::{GeometryConstants, Module, Specialization, TextureSlot, shared};
+use super::super::shared::ShadowPush;
+use super::super::{Called, Device, Owned, PipelineCache, texel_bytes};
+use crate::Result;
+use crate::plan::{CasterKind, CasterMask, ShadowMap};
+
+/// How far casters are pushed away from the light, in depth steps of their slope per texel: a texel holds the depth at its
+/// centre, and places half a texel away in x and in y fall into it too.
+const SLOPE_BIAS: f32 = 1.0;
+
+/// And in steps of the depth's precision, for surfaces that face the light.
+const CONSTANT_BIAS: f32 = 2.0;
+
+/// Draws a tile: the render area, of which nothing is loaded, and all is stored. The image is in
+/// DEPTH_STENCIL_ATTACHMENT_OPTIMAL before and after; who draws tiles moves it there once for all of them, and tiles do not
+/// overlap, so the pass has nothing to wait for.
+///
+/// A triangle clears the tile. The pass could do it, but then an image of several tiles is cleared several times in a row, in
+/// which the checks of Arm and IMG, who do not look at areas, see useless stores.
+pub(super) fn tile_pass(device: &Device, format: vk::Format) -> Result<Owned<vk::RenderPass>> {
+    let layout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+    let attachments = [vk::AttachmentDescription::default()
+        .format(format)
+        .samples(vk::SampleCountFlags::TYPE_1)
+        .load_op(vk::AttachmentLoadOp::DONT_CARE)
+        .store_op(vk::AttachmentStoreOp::STORE)
+        .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
+        .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
+        .initial_layout(layout)
+        .final_layout(layout)];
+    let depth = vk::AttachmentReference { attachment: 0, layout };
+    let subpasses = [vk::SubpassDescription::default()
+        .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
+        .depth_stencil_attachment(&depth)];
+    let info = vk::RenderPassCreateInfo::default().attachments(&attachments).subpasses(&subpasses);
+    // SAFETY: every array outlives the call; the only reference is to the only attachment.
+    unsafe { device.create_render_pass(&info, "shadow tile") }
+}
+
+/// Pipelines of one layout: solid casters', or those of masks that are textured or not.
+pub(super) struct CasterLayout {
+    pub(super) sets: Vec<Owned<vk::DescriptorSetLayout>>,
+    pub(super) bindings: Vec<Vec<Binding>>,
+    pub(super) layout: Owned<vk::PipelineLayout>,
+}
+
+/// One pipeline per kind of caster, in the order of `ShadowMap::casters`.
+pub(super) struct CasterPipelines {
+    pub(super) pipelines: Vec<Owned<vk::Pipeline>>,
+    /// One triangle over the whole tile, as far away as can be.
+    pub(super) clear: Owned<vk::Pipeline>,
+    pub(super) layouts: Vec<CasterLayout>,
+}
+
+impl CasterPipelines {
+    pub(super) fn new(
+        device: &Device,
+        map: &ShadowMap,
+        pass: &Owned<vk::RenderPass>,
+        cache: &PipelineCache,
+    ) -> Result<Self> {
+        let layouts: Vec<_> =
+            map.casters.iter().map(|k| CasterLayout::new(device, k)).collect::<Result<_>>()?;
+        let builder = Builder { device, pass, cache };
+        let all = map.casters.iter().zip(&layouts);
+        let pipelines = all.map(|(kind, layout)| builder.caster(kind, layout)).collect::<Result<_>>()?;
+        Ok(Self { pipelines, clear: builder.clear(&layouts[0])?, layouts })
+    }
+}
+
+impl CasterLayout {
+    fn new(device: &Device, kind: &CasterKind) -> Result<Self> {
+        use vk::{DescriptorType as T, ShaderStageFlags as S};
+        let instances = (const { shared("BINDING_INSTANCES") }, T::STORAGE_BUFFER, 1, S::VERTEX);
+        let mut bindings = vec![vec![instances]];
+        if let Some(mask) = kind.mask {
+            let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
+            let texture = (const { shared("BINDING_TEXTURES") }, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT);
+            bindings.push(std::iter::once(numbers).chain(mask.textured.then_some(texture)).collect());
+        }
+        let sets: Vec<_> = bindings.iter().map(|b| set_layout(device, b)).collect::<Result<_>>()?;
+        let raw: Vec<_> = sets.iter().map(Owned::raw).collect();
+        let push = [vk::PushConstantRange {
+            stage_flags: S::VERTEX,
+            offset: 0,
+            size: size_of::<ShadowPush>() as u32,
+        }];
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&raw).push_constant_ranges(&push);
+        // SAFETY: the set layouts are alive; the push constants are fewer than the 128 bytes of every device.
+        let layout = unsafe { device.create_pipeline_layout(&info, &format!("shadow caster, {kind}")) }?;
+        Ok(Self { sets, bindings, layout })
+    }
+}
+
+fn set_layout(device: &Device, bindings: &[Binding]) -> Result<Owned<vk::DescriptorSetLayout>> {
+    let bindings: Vec<_> = bindings
+        .iter()
+        .map(|&(binding, ty, count, stages)| {
+            vk::DescriptorSetLayoutBinding::default()
+                .binding(binding)
+                .descriptor_type(ty)
+                .descriptor_count(count)
+                .stage_flags(stages)
+        })
+        .collect();
+    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+    // SAFETY: the binding numbers of a set are distinct.
+    unsafe { device.create_descriptor_set_layout(&info, "shadow caster") }
+}
+
+struct Builder<'a> {
+    device: &'a Device,
+    pass: &'a Owned<vk::RenderPass>,
+    cache: &'a PipelineCache,
+}
+
+impl Builder<'_> {
+    fn caster(&self, kind: &CasterKind, layout: &CasterLayout) -> Result<Owned<vk::Pipeline>> {
+        let vertex = Module::ShadowVertex {
+            masked: kind.mask.is_some(),
+            texcoord: kind.mask.is_some_and(|m| m.textured),
+            color: kind.mask.is_some_and(|m| m.vertex_color),
+        };
+        let fragment = kind
+            .mask
+            .as_ref()
+            .map(|mask| (Module::Mask { textured: mask.textured }, mask_constants(mask).specialization()));
+        // As the main pass draws it: faces that point away from the light cast no shadow, unless both sides exist. Depth is
+        // reversed, so away from the light is down.
+        let raster = vk::PipelineRasterizationStateCreateInfo::default()
+            .polygon_mode(vk::PolygonMode::FILL)
+            .cull_mode(if kind.double_sided { vk::CullModeFlags::NONE } else { vk::CullModeFlags::BACK })
+            .front_face(match kind.mirrored {
+                true => vk::FrontFace::CLOCKWISE,
+                false => vk::FrontFace::COUNTER_CLOCKWISE,
+            })
+            .depth_bias_enable(true)
+            .depth_bias_constant_factor(-CONSTANT_BIAS)
+            .depth_bias_slope_factor(-SLOPE_BIAS)
+            .line_width(1.0);
+        let input = vertex_input(kind.mask.as_ref())?;
+        let (compare, name) = (vk::CompareOp::GREATER, format!("shadow caster, {kind}"));
+        self.build(vertex, fragment, &input, &raster, compare, layout, &name)
+    }
+
+    fn clear(&self, layout: &CasterLayout) -> Result<Owned<vk::Pipeline>> {
+        let raster = vk::PipelineRasterizationStateCreateInfo::default()
+            .polygon_mode(vk::PolygonMode::FILL)
+            .cull_mode(vk::CullModeFlags::NONE)
+            .line_width(1.0);
+        let (input, always) = (VertexInput::default(), vk::CompareOp::ALWAYS);
+        self.build(Module::Fullscreen, None, &input, &raster, always, layout, "shadow clear")
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "what sets the two kinds of pipelines apart")]
+    fn build(
+        &self,
+        vertex: Module,
+        fragment: Option<(Module, Specialization)>,
+        (bindings, attributes): &VertexInput,
+        raster: &vk::PipelineRasterizationStateCreateInfo<'_>,
+        compare: vk::CompareOp,
+        layout: &CasterLayout,
+        name: &str,
+    ) -> Result<Owned<vk::Pipeline>> {
+        let module = |module: Module| {
+            let info = vk::ShaderModuleCreateInfo::default().code(module.spirv()?);
+            // SAFETY: the words are SPIR-V that the shader compiler made and a test validates.
+            unsafe { self.device.create_shader_module(&info, &module.name()) }
+        };
+        let vertex = module(vertex)?;
+        let (fragment, constants) = fragment.map(|(m, c)| (module(m), c)).unzip();
+        let fragment = fragment.transpose()?;
+        let constants = constants.unwrap_or_default();
+        let entries: Vec<_> = (0_u32..)
+            .zip(&constants.ids)
+            .map(|(i, &constant_id)| vk::SpecializationMapEntry { constant_id, offset: 4 * i, size: 4 })
+            .collect();
+        let special = vk::SpecializationInfo::default()
+            .map_entries(&entries)
+            .data(bytemuck::cast_slice(&constants.data));
+        let stage = |stage, module: &Owned<vk::ShaderModule>| {
+            vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw()).name(c"main")
+        };
+        let fragment = fragment
+            .as_ref()
+            .map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module).specialization_info(&special));
+        let vertex = stage(vk::ShaderStageFlags::VERTEX, &vertex);
+        let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
+        let input = vk::PipelineVertexInputStateCreateInfo::default()
+            .vertex_binding_descriptions(bindings)
+            .vertex_attribute_descriptions(attributes);
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
+            .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+        let multisample = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+            .depth_test_enable(true)
+            .depth_write_enable(true)
+            .depth_compare_op(compare);
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default()
+            .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
+        let info = vk::GraphicsPipelineCreateInfo::default()
+            .stages(&stages)
+            .vertex_input_state(&input)
+            .input_assembly_state(&assembly)
+            .viewport_state(&viewport)
+            .rasterization_state(raster)
+            .multisample_state(&multisample)
+            .depth_stencil_state(&depth)
+            .dynamic_state(&dynamic)
+            .layout(layout.layout.raw())
+            .render_pass(self.pass.raw())
+            .subpass(0);
+        let device = self.device;
+        // SAFETY: everything that `info` points to outlives the call, and the modules match the layout (a test compares
+        // both with the shared header).
+        let created =
+            unsafe { device.raw().create_graphics_pipelines(self.cache.raw(), &[info], device.callbacks()) };
+        let raw = created.map_err(|(_, result)| result).called("vkCreateGraphicsPipelines")?;
+        Ok(Owned::new(device, raw[0], name))
+    }
+}
+
+/// What cuts a mask: the first and only texture of its descriptors is the base colour.
+fn mask_constants(mask: &CasterMask) -> GeometryConstants {
+    let base_color = mask.textured.then_some(TextureSlot {
+        slot: 0,
+        second_texcoord: mask.second_texcoord,
+        transformed: mask.transformed,
+    });
+    GeometryConstants {
+        textures: [base_color, None, None, None, None],
+        alpha_mask: true,
+        vertex_color: mask.vertex_color,
+        ..GeometryConstants::default()
+    }
+}
+
+type VertexInput = (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>);
+
+/// Positions, and what a mask reads, each a stream of its own.
+fn vertex_input(mask: Option<&CasterMask>) -> Result<VertexInput> {
+    const POSITION: (u32, vk::Format) = (shared("ATTRIBUTE_POSITION"), vk::Format::R32G32B32_SFLOAT);
+    let texcoords = mask.filter(|m| m.textured).map(|m| {
+        let both = m.both_texcoords;
+        let format = if both { vk::Format::R32G32B32A32_SFLOAT } else { vk::Format::R32G32_SFLOAT };
+        (const { shared("ATTRIBUTE_TEXCOORD") }, format)
+    });
+    let colors = mask
+        .filter(|m| m.vertex_color)
+        .map(|_| (const { shared("ATTRIBUTE_COLOR") }, vk::Format::R32G32B32A32_SFLOAT));
+    let mut input = VertexInput::default();
+    for (binding, (location, format)) in (0..).zip([Some(POSITION), texcoords, colors].into_iter().flatten())
+    {
+        let (stride, input_rate) = (texel_bytes(format)?, vk::VertexInputRate::VERTEX);
+        input.0.push(vk::VertexInputBindingDescription { binding, stride, input_rate });
+        input.1.push(vk::VertexInputAttributeDescription { location, binding, format, offset: 0 });
+    }
+    Ok(input)
+}

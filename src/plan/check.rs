@@ -1,0 +1,47 @@
+//! What no plan can be made of.
+
+use super::{Limits, Options, Pass};
+
+/// # Errors
+/// [`crate::Error::Unsupported`] if no image can have this size in pixels.
+pub(crate) fn check_size([width, height]: [u32; 2], limits: &Limits) -> crate::Result<()> {
+    let most = limits.max_image_size;
+    if width == 0 || height == 0 || width > most || height > most {
+        return Err(crate::Error::unsupported(
+            format!("an image of {width}x{height} pixels cannot be rendered"),
+            format!("choose a size from 1x1 to {most}x{most}"),
+        ));
+    }
+    Ok(())
+}
+
+pub(super) fn check_dither(options: &Options) -> crate::Result<()> {
+    if options.dither && options.output.is_float() {
+        return Err(crate::Error::unsupported(
+            format!(
+                "dither spreads the rounding to 8 bits, and the output {} is not rounded",
+                options.output
+            ),
+            "render to a PNG (an 8-bit output), or leave dither out",
+        ));
+    }
+    Ok(())
+}
+
+pub(super) fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) -> crate::Result<()> {
+    for subpass in passes.iter().flat_map(|p| &p.subpasses) {
+        let checks = [
+            ("colour attachments", subpass.colors.len(), limits.max_color_attachments),
+            ("input attachments", subpass.inputs.len(), limits.max_input_attachments),
+        ];
+        for (what, wanted, most) in checks {
+            if wanted > most as usize {
+                return Err(crate::Error::unsupported(
+                    format!("subpass {} needs {wanted} {what}, the device allows {most}", subpass.name),
+                    format!("choose another layout than {}", options.layout),
+                ));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,95 @@
+//! The shadow map in the ledger.
+
+use serde::Serialize;
+
+use super::{Figure, Format, Origin, ShadowFilter, ShadowMap};
+use crate::visible::ShadowShape;
+
+/// The shadow map as it was planned.
+#[derive(Clone, Debug, Serialize)]
+pub struct ShadowMapReport {
+    /// How a depth is stored.
+    pub format: Format,
+    /// Width and height in texels.
+    pub size: [u32; 2],
+    /// Bytes of memory.
+    pub bytes: Figure,
+    /// Bytes that a frame stores which draws all tiles, as the first one does; nothing is loaded.
+    pub stored_bytes: Figure,
+    /// Texels that a pixel reads for each light whose shadow it may be in, at most: four a sample.
+    pub sampled_texels: Figure,
+    /// The lights that have a part of it, most important first.
+    pub lights: Vec<ShadowLightReport>,
+    /// Kinds of casters, as text; one pipeline each.
+    pub casters: Vec<String>,
+}
+
+/// A light's part of the shadow map.
+#[derive(Clone, Debug, Serialize)]
+pub struct ShadowLightReport {
+    /// The light's name.
+    pub name: String,
+    /// What views its shadow takes.
+    pub shape: ShadowShape,
+    /// How many tiles it has.
+    pub tiles: usize,
+    /// Side of each, texels.
+    pub texels: u32,
+    /// Bytes stored when all of them are drawn.
+    pub stored_bytes: Figure,
+}
+
+/// What the last frame did about shadows.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ShadowFigures {
+    /// Tiles that were drawn; all others that are of use were kept.
+    pub tiles_drawn: usize,
+    /// Tiles that have to wait for a later frame.
+    pub tiles_waiting: usize,
+    /// Draw calls, beside those of the main pass.
+    pub draws: usize,
+    /// Instances drawn, once for each tile that they are in.
+    pub casters: usize,
+    /// Bytes stored to the map; nothing is loaded.
+    pub stored_bytes: Figure,
+}
+
+/// A figure of bytes; they are far fewer than the 2^53 up to which an f64 counts.
+pub(crate) fn planned_bytes(bytes: u64) -> Figure {
+    Figure { value: bytes as f64, origin: Origin::Planned }
+}
+
+impl ShadowFilter {
+    /// How often a pixel samples the map for one light.
+    pub const fn samples(self) -> u32 {
+        match self {
+            Self::Hardware => 1,
+            Self::Grid3 => 9,
+            Self::Grid5 => 25,
+            Self::Jittered => 12,
+        }
+    }
+}
+
+impl ShadowMap {
+    /// The ledger's part on the map.
+    pub(super) fn report(&self, filter: ShadowFilter) -> ShadowMapReport {
+        let stored = |tiles: std::ops::Range<usize>| planned_bytes(tiles.map(|t| self.tile_bytes(t)).sum());
+        let lights = self.lights.iter().map(|light| ShadowLightReport {
+            name: light.name.clone(),
+            shape: light.shape,
+            tiles: light.tiles.len(),
+            texels: light.size.texels,
+            stored_bytes: stored(light.tiles.clone()),
+        });
+        ShadowMapReport {
+            format: self.format,
+            size: self.size,
+            bytes: planned_bytes(self.bytes()),
+            stored_bytes: stored(0..self.tiles.len()),
+            sampled_texels: Figure::planned(filter.samples() * 4),
+            lights: lights.collect(),
+            casters: self.casters.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
