@@ -109,6 +109,10 @@ pub(super) fn pipelines(needs: &Needs, way: LightWay) -> impl Iterator<Item = Pi
     at_once.then_some(Pipeline::Lighting).into_iter().chain(volumes)
 }
 
+/// From so many lights on that have a place and an end, pixels save more by not looking at all of them than lists cost
+/// (README, "Speed").
+const LEAST_FOR_CLUSTERS: usize = 2;
+
 /// What [`Options::lights`] comes to.
 pub(super) struct Resolved {
     /// Never [`LightWay::Auto`].
@@ -121,15 +125,17 @@ pub(super) struct Resolved {
 /// # Errors
 /// [`crate::Error::Unsupported`] for lights that are added one by one to surfaces that are lit as they are drawn.
 pub(super) fn resolve(needs: &Needs, options: &Options, path: Path) -> crate::Result<Resolved> {
+    let ended = needs.local_lights() - needs.endless_lights;
     let (way, why) = match options.lights {
+        // There is nothing to light, whatever was asked for.
+        _ if needs.lit.is_none() => (LightWay::Fullscreen, None),
         // Lights are added one by one, whatever they could be looked up in.
         LightWay::Clusters | LightWay::Auto if path == Path::ForwardMultipass => (LightWay::Fullscreen, None),
-        LightWay::Auto => {
-            return Err(crate::Error::unsupported(
-                "the way of lights auto is not there yet",
-                "choose another way",
-            ));
+        LightWay::Auto if ended >= LEAST_FOR_CLUSTERS => {
+            let why = format!("lights: clusters, since {ended} lights have a place and an end");
+            (LightWay::Clusters, Some(why))
         }
+        LightWay::Auto => (LightWay::Fullscreen, None),
         LightWay::Fullscreen => (LightWay::Fullscreen, None),
         asked @ (LightWay::Volumes | LightWay::Stencil) if path != Path::Deferred => {
             return Err(crate::Error::unsupported(
@@ -137,8 +143,6 @@ pub(super) fn resolve(needs: &Needs, options: &Options, path: Path) -> crate::Re
                 "choose the path deferred, or one of the ways fullscreen and clusters",
             ));
         }
-        // There is nothing to light, whatever was asked for.
-        _ if needs.lit.is_none() => (LightWay::Fullscreen, None),
         asked if needs.local_lights() == 0 => {
             (LightWay::Fullscreen, Some(format!("lights: fullscreen, not {asked}: no light has a place")))
         }

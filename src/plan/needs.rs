@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{Around, EnvironmentNeed, ShadowNeeds};
-use crate::scene::{AlphaMode, Background, Fog, LightKind, Material, Mesh, Scene, TextureRef};
+use crate::scene::{AlphaMode, Background, Fog, Light, LightKind, Material, Mesh, Scene, TextureRef};
+use crate::visible::Reach;
 
 /// The texture slots of a material, in the order of shader slots.
 pub const SLOTS: [&str; 5] = ["base colour", "metallic-roughness", "normal", "occlusion", "emissive"];
@@ -175,6 +176,8 @@ pub struct Needs {
     pub hemisphere_lights: usize,
     /// Directional and box lights that light surfaces from behind too.
     pub back_colors: usize,
+    /// Lights that are not dark and have a place, but no end: each reaches every pixel.
+    pub endless_lights: usize,
     /// How many lights that have a place may be lit: dark ones too, if one of their kind is not dark, since a host may
     /// light them up.
     pub most_local_lights: usize,
@@ -252,6 +255,7 @@ impl Needs {
             back_colors: lights()
                 .filter(|l| l.has_back() && !matches!(l.kind, LightKind::Hemisphere { .. }))
                 .count(),
+            endless_lights: lights().filter(|l| is_local(l) && Reach::of(l) == Reach::Everywhere).count(),
             most_local_lights: most_local_lights(scene),
             environment: EnvironmentNeed::of(scene).filter(|_| lit.is_some()),
             shadows,
@@ -267,12 +271,14 @@ impl Needs {
     }
 }
 
+/// Whether the light has a place.
+fn is_local(light: &Light) -> bool {
+    !matches!(light.kind, LightKind::Directional { .. } | LightKind::Hemisphere { .. })
+}
+
 /// See [`Needs::most_local_lights`].
 fn most_local_lights(scene: &Scene) -> usize {
-    let kind = std::mem::discriminant::<LightKind>;
-    let lit: Vec<_> = scene.lights.iter().filter(|l| !l.is_dark()).map(|l| kind(&l.kind)).collect();
-    let everywhere =
-        |k: &LightKind| matches!(k, LightKind::Directional { .. } | LightKind::Hemisphere { .. });
-    let local = scene.lights.iter().filter(|l| !everywhere(&l.kind));
-    local.filter(|l| lit.contains(&kind(&l.kind))).count()
+    let kind = |light: &Light| std::mem::discriminant(&light.kind);
+    let lit: Vec<_> = scene.lights.iter().filter(|l| !l.is_dark()).map(kind).collect();
+    scene.lights.iter().filter(|l| is_local(l) && lit.contains(&kind(l))).count()
 }

@@ -24,8 +24,8 @@ pub struct Grid {
     pub slice_bias: f32,
 }
 
-/// Tiles are of 32 pixels, unless the image has more than this many of them.
-const MOST_TILES: u32 = 2048;
+/// Tiles are of 32 pixels, unless the image has more than this many of them: 32 for 1280x720, 64 for 1920x1080.
+const MOST_TILES: u32 = 1024;
 const LEAST_TILE_SHIFT: u32 = 5;
 const MOST_SLICES: u32 = 24;
 /// Slices in front of this share of the farthest light's distance would be thinner than tiles are wide.

@@ -64,7 +64,7 @@ impl Clusters {
 
     /// The greatest length that [`Self::words`] can have for so many lights.
     pub fn most_words(lights: usize) -> usize {
-        Grid::MOST_CELLS + 1 + Self::most_entries(lights)
+        Grid::MOST_CELLS + 2 + Self::most_entries(lights)
     }
 
     /// Lists the lights for a view of an image of this size in pixels. The n-th light goes by the number
@@ -89,29 +89,33 @@ impl Clusters {
         self.spans.clear();
         let cells = self.grid.cell_count();
         self.words.clear();
-        self.words.resize(cells + 1, 0);
+        self.words.resize(cells + 2, 0);
         let (spans, words) = (&mut self.spans, &mut self.words);
         let mut entries = 0;
         for light in &self.lights {
-            let mut add = |cells: Range<u32>| {
+            light.cells(&self.grid, &self.planes, &mut |cells: Range<u32>| {
                 entries += cells.len();
                 if entries <= self.most_entries {
                     spans.push(Span { light: light.index, first_cell: cells.start, end_cell: cells.end });
-                    for count in &mut words[cells.start as usize + 1..cells.end as usize + 1] {
-                        *count += 1;
-                    }
+                    // By how much a cell has more entries than the one before it.
+                    let more = &mut words[cells.start as usize + 1];
+                    *more = more.wrapping_add(1);
+                    let fewer = &mut words[cells.end as usize + 1];
+                    *fewer = fewer.wrapping_sub(1);
                 }
-            };
-            light.cells(&self.grid, &self.planes, &mut add);
+            });
             if entries > self.most_entries {
                 return false;
             }
         }
-        // From counts to beginnings: word c + 1 is where cell c's next entry goes, and so in the end where c + 1 begins.
-        let mut begin = cells as u32 + 1;
+        // From differences to beginnings: word c + 1 is where cell c's next entry goes, and so in the end where c + 1
+        // begins.
+        let (mut count, mut begin) = (0_u32, cells as u32 + 1);
         words[0] = begin;
-        for word in &mut words[1..] {
-            begin += std::mem::replace(word, begin);
+        for word in &mut words[1..=cells] {
+            count = count.wrapping_add(*word);
+            *word = begin;
+            begin += count;
         }
         words.resize(cells + 1 + entries, 0);
         let (begins, entries) = words.split_at_mut(cells + 1);
