@@ -13,9 +13,9 @@ use ontile::scene::Scene;
 const SIZE: [u32; 2] = [160, 90];
 
 /// Room for arithmetic in 32-bit floats that compilers contract and reorder: some hundred roundings of 2^-24, relative
-/// to the channel ...
+/// to the pixel's brightest channel, since tone curves take the channels' differences ...
 const MOST_RELATIVE: f32 = 128.0 / (1 << 24) as f32;
-/// ... or to this, where tone curves subtract: a tenth of the first step of 8 bits in sRGB.
+/// ... or to this: a tenth of the first step of 8 bits in sRGB.
 const FLOOR: f32 = 3.0e-5;
 /// The same difference may fall to either side of a step of 8 bits.
 const MOST_STEPS: u8 = 1;
@@ -36,8 +36,12 @@ fn picture(gpu: &Gpu<'_>, scene: &Scene, options: Options) -> Picture {
 fn beyond_rounding(a: &Picture, b: &Picture) -> Option<String> {
     let far: Vec<bool> = match (&a.pixels, &b.pixels) {
         (Pixels::Rgba32F(a), Pixels::Rgba32F(b)) => {
-            let near = |a: f32, b: f32| (a - b).abs() <= MOST_RELATIVE * a.abs().max(b.abs()).max(FLOOR);
-            a.iter().zip(b).map(|(&a, &b)| !near(a, b)).collect()
+            let brightest = |pixel: &[f32]| pixel[..3].iter().fold(FLOOR, |most, c| c.abs().max(most));
+            let far = |(a, b): (&[f32], &[f32])| {
+                let most = MOST_RELATIVE * brightest(a).max(brightest(b));
+                [0, 1, 2, 3].map(|c| (a[c] - b[c]).abs() > most)
+            };
+            a.chunks(4).zip(b.chunks(4)).flat_map(far).collect()
         }
         (Pixels::Rgba8(a), Pixels::Rgba8(b)) => {
             a.iter().zip(b).map(|(a, b)| a.abs_diff(*b) > MOST_STEPS).collect()

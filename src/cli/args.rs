@@ -95,7 +95,7 @@ pub struct PlanArgs {
     #[arg(long, value_name = "NAME", default_value_t = TexelFormat::E5B9G9R9, value_parser = named(TexelFormat::ALL, TexelFormat::name))]
     pub environment_format: TexelFormat,
     /// How lights reach pixels
-    #[arg(long, value_name = "WAY", default_value_t = LightWay::Fullscreen, value_parser = named(LightWay::ALL, LightWay::name))]
+    #[arg(long, value_name = "WAY", default_value_t = LightWay::Auto, value_parser = named(LightWay::ALL, LightWay::name))]
     pub lights: LightWay,
     /// How many texels of the shadow map a pixel compares with: the nearest four; 3x3 or 5x5 samples over each light's
     /// spread; or a dozen on a disc that is turned by another angle in each pixel

@@ -28,7 +28,7 @@ pub struct EnvironmentArgs {
     #[arg(short, long, value_name = "OUT.ktx2")]
     pub output: PathBuf,
     /// Texels along the edge of a face, for roughness 0: a power of two
-    #[arg(long, value_name = "TEXELS", default_value_t = DEFAULT_FACE_SIZE, value_parser = face_size)]
+    #[arg(long, value_name = "TEXELS", default_value_t = DEFAULT_FACE_SIZE, value_parser = face_size, allow_negative_numbers = true)]
     pub size: u32,
     /// How radiance is stored: rgbm, b10g11r11 and e5b9g9r9 take 4 bytes a texel, rgba16f 8
     #[arg(long, value_name = "NAME", default_value_t = TexelFormat::E5B9G9R9, value_parser = named(TexelFormat::ALL, TexelFormat::name))]

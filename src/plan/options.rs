@@ -73,7 +73,7 @@ named_enum! {
         Forward = "forward",
         /// The surface without lights, then again for each light that reaches it, added up.
         ForwardMultipass = "forward-multipass",
-        /// Whichever is cheaper by the measurements in README.
+        /// Whichever is cheaper for the scene; refused until there is a rule.
         Auto = "auto",
     }
 }
@@ -89,7 +89,7 @@ named_enum! {
         Stencil = "stencil",
         /// Each pixel looks at the lights of its cluster of the view volume.
         Clusters = "clusters",
-        /// Whichever is cheapest by the measurements in README.
+        /// Lists where lights have a place and an end, else all.
         Auto = "auto",
     }
 }
@@ -243,7 +243,7 @@ impl Default for Options {
             strategy: Strategy::Subpasses,
             layout: Layout::Metallic128,
             path: Path::Deferred,
-            lights: LightWay::Fullscreen,
+            lights: LightWay::Auto,
             shadows: ShadowOptions::default(),
             tonemap: Tonemap::Neutral,
             output: OutputFormat::Rgba8Srgb,

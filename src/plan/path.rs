@@ -6,11 +6,17 @@ use crate::{Error, Result};
 /// The path, never [`Path::Auto`], and why, where that is not what was asked for.
 ///
 /// # Errors
-/// [`Error::Unsupported`] if a G-buffer is to be kept on a path that has none.
+/// [`Error::Unsupported`] if a G-buffer is to be kept on a path that has none, and for [`Path::Auto`], for which there is no
+/// rule yet.
 pub(super) fn resolve(needs: &Needs, options: &Options) -> Result<(Path, Option<String>)> {
     let no_lights = needs.listed_lights() == 0;
     let (path, why) = match options.path {
-        Path::Auto => (Path::Deferred, None),
+        Path::Auto => {
+            return Err(Error::unsupported(
+                "the path auto has no rule yet",
+                "choose the path deferred, forward or forward-multipass",
+            ));
+        }
         Path::ForwardMultipass if needs.lit.is_some() && no_lights => {
             (Path::Forward, Some("path: forward, not forward-multipass: there are no lights to add".into()))
         }

@@ -51,9 +51,10 @@ pub fn cases(name: TableName, device: &Device, settings: &Settings) -> Result<Ve
         TableName::Floating => floating(s),
         TableName::Sets => {
             let scene = Rc::new(scenes::interior()?);
-            let ways = [MULTIPASS, WITHOUT_SETS]
-                .map(|name| way(name, &scene, Path::ForwardMultipass, LightWay::Clusters))
-                .into();
+            let with = way(MULTIPASS, &scene, Path::ForwardMultipass, LightWay::Auto);
+            let mut without = way(WITHOUT_SETS, &scene, Path::ForwardMultipass, LightWay::Auto);
+            without.options.illumination_sets = false;
+            let ways = vec![with, without];
             vec![Case { label: "interior".into(), x: 0.0, size: s.view_size, ways, stages: false }]
         }
         TableName::Lights => {
@@ -79,7 +80,7 @@ pub fn cases(name: TableName, device: &Device, settings: &Settings) -> Result<Ve
             let case = |n: usize| {
                 let scene = Rc::new(scenes::layers(n));
                 let mut ways = paths(&scene);
-                let mut prepass = way(PREPASS, &scene, Path::Forward, LightWay::Clusters);
+                let mut prepass = way(PREPASS, &scene, Path::Forward, LightWay::Auto);
                 prepass.options.depth_prepass = true;
                 ways.insert(2, prepass);
                 Case { label: format!("{n}"), x: n as f64, size: s.sweep_size, ways, stages: false }
@@ -109,7 +110,7 @@ fn way(name: &str, scene: &Rc<Scene>, path: Path, lights: LightWay) -> Way {
 /// Deferred as `auto` lights it, and both kinds of forward.
 fn paths(scene: &Rc<Scene>) -> Vec<Way> {
     [Path::Deferred, Path::Forward, Path::ForwardMultipass]
-        .map(|path| way(path.name(), scene, path, LightWay::Clusters))
+        .map(|path| way(path.name(), scene, path, LightWay::Auto))
         .into()
 }
 
