@@ -1,7 +1,6 @@
 #version 450
 // All lights on one pixel; CLUSTERS: those with a place are found in the list of its cell; ONE_LIGHT: only the one whose
-// volume is drawn. FOLD: tonemaps and writes the output; else fixed-function blending adds to the
-// light target.
+// volume is drawn. FOLD: tonemaps and writes the output; else fixed-function blending adds to the light target.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
@@ -36,7 +35,7 @@ void main() {
 #endif
         exposed_light = light * frame.exposure;
         if (FOG) {
-            exposed_light = fogged(exposed_light, position_world(surface.depth));
+            exposed_light = fogged(exposed_light, position);
         }
     }
     // Pixels that are not lit add 0. `discard` would save tilers nothing, since blending stays on the tile, but it

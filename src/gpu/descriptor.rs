@@ -8,6 +8,27 @@ use crate::Result;
 /// One binding of a set layout: number, type, array size, stages.
 pub(super) type Binding = (u32, vk::DescriptorType, u32, vk::ShaderStageFlags);
 
+/// A layout of these bindings, whose numbers are distinct.
+pub(super) fn set_layout(
+    device: &Device,
+    bindings: &[Binding],
+    name: &str,
+) -> Result<Owned<vk::DescriptorSetLayout>> {
+    let bindings: Vec<_> = bindings
+        .iter()
+        .map(|&(binding, ty, count, stages)| {
+            vk::DescriptorSetLayoutBinding::default()
+                .binding(binding)
+                .descriptor_type(ty)
+                .descriptor_count(count)
+                .stage_flags(stages)
+        })
+        .collect();
+    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+    // SAFETY: the bindings outlive the call, and the caller gives each number once.
+    unsafe { device.create_descriptor_set_layout(&info, name) }
+}
+
 /// Sets with the pool that they live in.
 pub(super) struct DescriptorSets {
     pool: Owned<vk::DescriptorPool>,

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use super::super::descriptor::Binding;
+use super::super::descriptor::{Binding, set_layout};
 use super::super::shader::shared;
 use super::super::shared::LightPush;
 use super::super::{Device, Owned};
@@ -147,7 +147,8 @@ impl FamilyLayout {
     pub(super) fn new(device: &Device, family: Family) -> Result<Self> {
         let bindings = family.sets();
         let sets = bindings.iter().filter(|b| !b.is_empty());
-        let sets: Vec<_> = sets.map(|b| set_layout(device, family, b)).collect::<Result<_>>()?;
+        let sets: Vec<_> =
+            sets.map(|b| set_layout(device, b, &format!("{family:?}"))).collect::<Result<_>>()?;
         let raw: Vec<_> = sets.iter().map(Owned::raw).collect();
         let push = vk::PushConstantRange::default()
             .stage_flags(vk::ShaderStageFlags::FRAGMENT)
@@ -158,24 +159,4 @@ impl FamilyLayout {
         let layout = unsafe { device.create_pipeline_layout(&info, &format!("{family:?}")) }?;
         Ok(Self { sets, layout, bindings })
     }
-}
-
-fn set_layout(
-    device: &Device,
-    family: Family,
-    bindings: &[Binding],
-) -> Result<Owned<vk::DescriptorSetLayout>> {
-    let bindings: Vec<_> = bindings
-        .iter()
-        .map(|&(binding, ty, count, stages)| {
-            vk::DescriptorSetLayoutBinding::default()
-                .binding(binding)
-                .descriptor_type(ty)
-                .descriptor_count(count)
-                .stage_flags(stages)
-        })
-        .collect();
-    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-    // SAFETY: binding numbers are distinct by `Family::sets`.
-    unsafe { device.create_descriptor_set_layout(&info, &format!("{family:?}")) }
 }

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use super::super::descriptor::Binding;
+use super::super::descriptor::{Binding, set_layout};
 use super::super::shader::{GeometryConstants, Module, Specialization, TextureSlot, shared};
 use super::super::shared::ShadowPush;
 use super::super::{Called, Device, Owned, PipelineCache, texel_bytes};
@@ -83,7 +83,8 @@ impl CasterLayout {
             let texture = (const { shared("BINDING_TEXTURES") }, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT);
             bindings.push(std::iter::once(numbers).chain(mask.textured.then_some(texture)).collect());
         }
-        let sets: Vec<_> = bindings.iter().map(|b| set_layout(device, b)).collect::<Result<_>>()?;
+        let sets: Vec<_> =
+            bindings.iter().map(|b| set_layout(device, b, "shadow caster")).collect::<Result<_>>()?;
         let raw: Vec<_> = sets.iter().map(Owned::raw).collect();
         let push = [vk::PushConstantRange {
             stage_flags: S::VERTEX,
@@ -95,22 +96,6 @@ impl CasterLayout {
         let layout = unsafe { device.create_pipeline_layout(&info, &format!("shadow caster, {kind}")) }?;
         Ok(Self { sets, bindings, layout })
     }
-}
-
-fn set_layout(device: &Device, bindings: &[Binding]) -> Result<Owned<vk::DescriptorSetLayout>> {
-    let bindings: Vec<_> = bindings
-        .iter()
-        .map(|&(binding, ty, count, stages)| {
-            vk::DescriptorSetLayoutBinding::default()
-                .binding(binding)
-                .descriptor_type(ty)
-                .descriptor_count(count)
-                .stage_flags(stages)
-        })
-        .collect();
-    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-    // SAFETY: the binding numbers of a set are distinct.
-    unsafe { device.create_descriptor_set_layout(&info, "shadow caster") }
 }
 
 struct Builder<'a> {
