@@ -8,7 +8,8 @@ mod reflect;
 mod shader_manifest;
 
 use ontile::gpu::shader::{
-    GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, embedded_names, shared,
+    GeometryConstants, LightInputs, LightingConstants, Module, OutputConstants, Specialization,
+    embedded_names, shared,
 };
 use ontile::gpu::shared::{
     ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, MaterialData,
@@ -172,9 +173,9 @@ fn blocks() -> [Block; 6] {
                 up_world,
                 falloff,
                 back_intensity,
-                padding_0,
+                globe_map,
                 half_size,
-                padding_1,
+                globe_rotation,
             }
         ),
         block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
@@ -199,7 +200,9 @@ fn shared_structs_have_the_shaders_offsets() {
 
 #[test]
 fn wrong_offsets_are_reported() {
-    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, clusters: false }.spirv().unwrap();
+    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, lights: LightInputs::default() }
+        .spirv()
+        .unwrap();
     let light = &blocks()[3];
 
     // Rust's side: two members change places, one is forgotten.
@@ -255,7 +258,8 @@ fn interfaces_have_the_numbers_of_shared_h() {
 fn wrong_interfaces_are_reported() {
     let numbers = shared_numbers();
     let nutc = Module::GeometryVertex { normal: true, texcoord: true, tangent: true, color: true };
-    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, clusters: false };
+    let lighting =
+        Module::Lighting { layout: ontile::plan::Layout::Metallic128, lights: LightInputs::default() };
     for (module, decoration) in [
         (nutc, Decoration::Location),
         (nutc, Decoration::DescriptorSet),

@@ -11,9 +11,9 @@ struct Light {
     vec3 up_world;        // the light's +Y
     float falloff;        // of a box, metres
     vec3 back_intensity;  // lux on surfaces that face away
-    uint padding_0;
-    vec3 half_size;       // of a box, metres
-    uint padding_1;
+    uint globe_map;       // its first layer + 1; 0: none
+    vec3 half_size;       // of a box, metres; of a spot's globe map at a distance of 1 m
+    float globe_rotation; // radians
 };
 
 // Directional lights first, then point, spot, box: frame.light_counts.

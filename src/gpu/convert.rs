@@ -4,7 +4,7 @@ use glam::{DVec4, Vec3};
 
 use super::shared::{InstanceData, LightData, MaterialData};
 use crate::plan::SurfaceKind;
-use crate::scene::{AlphaMode, Light, LightKind, Material, TextureRef};
+use crate::scene::{AlphaMode, GlobeMap, Light, LightKind, Material, TextureRef};
 
 pub(super) fn instance(world_from_object: &glam::Mat4) -> InstanceData {
     let m = world_from_object;
@@ -31,9 +31,13 @@ pub(super) fn material(m: &Material) -> MaterialData {
     }
 }
 
-pub(super) fn light(l: &Light) -> LightData {
+/// `globe_map` is the first layer of its globe map.
+pub(super) fn light(l: &Light, globe_map: Option<u32>) -> LightData {
     let (half_size, falloff) = match l.kind {
         LightKind::Box { size_m, falloff_m, .. } => (size_m * 0.5, falloff_m),
+        LightKind::Spot { outer_cone_rad, .. } => {
+            (Vec3::splat(outer_cone_rad.min(GlobeMap::MOST_CONE_RAD).tan()), 0.0)
+        }
         _ => (Vec3::ZERO, 0.0),
     };
     let (spot_scale, spot_offset) = match l.kind {
@@ -56,7 +60,8 @@ pub(super) fn light(l: &Light) -> LightData {
         falloff,
         back_intensity: if l.has_back() { l.back_color * l.intensity() } else { Vec3::ZERO }.to_array(),
         half_size: half_size.to_array(),
-        ..LightData::default()
+        globe_map: globe_map.map_or(0, |layer| layer + 1),
+        globe_rotation: l.globe_map.map_or(0.0, |map| map.rotation_rad),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::convert;
 use super::shared::LightData;
-use crate::scene::{Light, LightKind};
+use crate::scene::{GlobePicture, Light, LightKind};
 use crate::visible::{Frustum, Reach};
 use crate::{Error, Result};
 
@@ -27,12 +27,16 @@ struct Placed {
     data: LightData,
     /// `None` of a dark light.
     reach: Option<Reach>,
+    /// What it shines through, and the first layer of that.
+    globe: Option<(GlobePicture, u32)>,
 }
 
 impl Placed {
-    fn new(light: &Light) -> Self {
+    fn new(light: &Light, globe: Option<(GlobePicture, u32)>) -> Self {
         let reach = (!light.is_dark()).then(|| Reach::of(light));
-        Self { kind: kind_index(&light.kind), data: convert::light(light), reach }
+        let shown = light.shown_globe_map().and(globe);
+        let data = convert::light(light, shown.map(|(_, layer)| layer));
+        Self { kind: kind_index(&light.kind), data, reach, globe }
     }
 
     /// Whether it needs shaders that light surfaces from behind.
@@ -53,8 +57,13 @@ fn kind_index(kind: &LightKind) -> usize {
 }
 
 impl Lights {
-    pub(super) fn new(lights: &[Light]) -> Self {
-        let placed: Vec<_> = lights.iter().map(Placed::new).collect();
+    /// `globe_layers` holds the first layer of each light's globe map, if the scene has any.
+    pub(super) fn new(lights: &[Light], globe_layers: Option<&[Option<u32>]>) -> Self {
+        let globe = |(i, light): (usize, &Light)| {
+            let layer = globe_layers.and_then(|layers| layers[i]);
+            Placed::new(light, light.shown_globe_map().map(|map| map.picture).zip(layer))
+        };
+        let placed: Vec<_> = lights.iter().enumerate().map(globe).collect();
         let mut planned = [false; KINDS];
         placed.iter().filter(|l| l.reach.is_some()).for_each(|l| planned[l.kind] = true);
         let mut order: Vec<_> = (0..placed.len()).filter(|&i| planned[placed[i].kind]).collect();
@@ -77,7 +86,8 @@ impl Lights {
                 format!("use an index below {lights}, the number of the scene's lights"),
             )
         })?;
-        let changed = Placed::new(light);
+        let changed = Placed::new(light, placed.globe);
+        let picture = light.shown_globe_map().map(|map| map.picture);
         if !light.is_sound() {
             return Err(Error::unsupported(
                 format!(
@@ -87,7 +97,9 @@ impl Lights {
                 "give finite numbers, and colour and intensity that are not negative",
             ));
         }
-        let known = self.planned[changed.kind] && (self.planned_back || !changed.has_back());
+        let known = self.planned[changed.kind]
+            && (self.planned_back || !changed.has_back())
+            && picture.is_none_or(|picture| placed.globe.is_some_and(|(known, _)| known == picture));
         if changed.kind != placed.kind || (changed.reach.is_some() && !known) {
             return Err(Error::unsupported(
                 format!("light {index} ('{}') changes into one that the plan does not know", light.name),

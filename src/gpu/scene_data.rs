@@ -7,6 +7,7 @@ use ash::vk;
 use super::around::AroundData;
 use super::descriptor::{Content, DescriptorSets};
 use super::frame_data::{Everything, FrameData, Seen};
+use super::globe_maps::GlobeMaps;
 use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::material_data::Materials;
@@ -31,6 +32,7 @@ pub(super) struct SceneData {
     materials: Option<Materials>,
     geometry: Geometry,
     textures: Textures,
+    globe_maps: Option<GlobeMaps>,
     around: AroundData,
     ambient_nt: glam::Vec3,
 }
@@ -45,7 +47,8 @@ impl SceneData {
         upload: &mut Upload,
     ) -> Result<Self> {
         let objects = Objects::new(scene, plan);
-        let lights = Lights::new(&scene.lights);
+        let globes = (plan.needs.globe_maps > 0).then(|| scene.globe_layers()).transpose()?;
+        let lights = Lights::new(&scene.lights, globes.as_ref().map(|g| g.first_of_light.as_slice()));
         let streams = streams(scene, plan, objects.batches());
         let geometry = Geometry::new(device, upload, &scene.meshes, &streams)?;
         let keys = texture_keys(scene, plan, objects.batches());
@@ -62,6 +65,7 @@ impl SceneData {
             materials: Materials::new(device, upload, scene)?,
             geometry,
             textures,
+            globe_maps: globes.map(|layers| GlobeMaps::new(device, upload, &layers)).transpose()?,
             around: AroundData::new(device, upload, scene, plan)?,
             ambient_nt: scene.ambient_nt,
         };
@@ -104,6 +108,7 @@ impl SceneData {
             + self.materials.as_ref().map_or(0, Materials::allocated_bytes)
             + self.geometry.allocated_bytes()
             + self.textures.allocated_bytes()
+            + self.globe_maps.as_ref().map_or(0, GlobeMaps::allocated_bytes)
             + self.around.allocated_bytes()
     }
 
@@ -173,7 +178,10 @@ impl SceneData {
         let Some(sets) = DescriptorSets::new(device, &wanted, "frame")? else { return Ok(()) };
         for (index, (_, bindings)) in wanted.iter().enumerate() {
             for &(binding, ty, ..) in *bindings {
-                if let Some(content) = self.around.content(binding) {
+                let globe_maps = self.globe_maps.as_ref();
+                let globe_maps = globe_maps.filter(|_| binding == const { shared("BINDING_GLOBE_MAPS") });
+                let images = globe_maps.map(GlobeMaps::content);
+                if let Some(content) = images.or_else(|| self.around.content(binding)) {
                     sets.write(index, binding, ty, &content);
                     continue;
                 }

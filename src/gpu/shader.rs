@@ -98,8 +98,8 @@ pub enum Module {
     Forward {
         /// Whether the material has any texture.
         textured: bool,
-        /// Whether each pixel looks at the lights of its cluster, not at all.
-        clusters: bool,
+        /// What it reads of the lights.
+        lights: LightInputs,
         /// What arrives from all around.
         around: Around,
     },
@@ -112,13 +112,39 @@ pub enum Module {
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
-        /// Whether each pixel looks at the lights of its cluster, not at all.
-        clusters: bool,
+        /// What it reads of the lights.
+        lights: LightInputs,
     },
     /// Turns the light target into the output.
     Tonemap,
     /// One triangle over the whole image.
     Fullscreen,
+}
+
+/// What shading reads of the lights beside the list of them: descriptors that exist only where they are needed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct LightInputs {
+    /// Each pixel looks at the lights of its cluster, not at all.
+    pub clusters: bool,
+    /// Some lights shine through globe maps.
+    pub globe_maps: bool,
+}
+
+impl LightInputs {
+    /// Every combination.
+    pub fn all() -> impl Iterator<Item = Self> {
+        (0..4).map(|bits| Self { clusters: bits & 1 != 0, globe_maps: bits & 2 != 0 })
+    }
+
+    /// Its part of a module's name.
+    fn suffix(self) -> String {
+        let parts = [(self.clusters, "_clusters"), (self.globe_maps, "_globes")];
+        parts.iter().filter(|(has, _)| *has).map(|(_, name)| *name).collect()
+    }
+
+    fn defines(self) -> [(bool, &'static str); 2] {
+        [(self.clusters, "CLUSTERS"), (self.globe_maps, "GLOBE_MAPS")]
+    }
 }
 
 /// Every kind.
@@ -150,11 +176,11 @@ impl Module {
                 all.push(module(false, Around::Nothing));
                 all.extend(AROUND.map(|around| module(true, around)));
             }
-            all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
+            all.extend(LightInputs::all().map(|lights| Self::Lighting { layout, lights }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
-        for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
-            all.extend(AROUND.map(|around| Self::Forward { textured, clusters, around }));
+        for (textured, around) in [false, true].into_iter().flat_map(|t| AROUND.map(|around| (t, around))) {
+            all.extend(LightInputs::all().map(|lights| Self::Forward { textured, lights, around }));
         }
         all.extend([false, true].map(|textured| Self::Mask { textured }));
         all.extend([Self::Tonemap, Self::Fullscreen]);
@@ -183,14 +209,11 @@ impl Module {
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
             Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured, clusters, around } => {
-                let clusters = suffix(clusters, "_clusters");
+            Self::Forward { textured, lights, around } => {
                 let textured = suffix(textured, "_textured");
-                format!("forward{clusters}{textured}{}.frag", around_suffix(around))
+                format!("forward{}{textured}{}.frag", lights.suffix(), around_suffix(around))
             }
-            Self::Lighting { layout, clusters } => {
-                format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
-            }
+            Self::Lighting { layout, lights } => format!("lighting_{layout}{}.frag", lights.suffix()),
             Self::Tonemap => "tonemap.frag".into(),
             Self::Fullscreen => "fullscreen.vert".into(),
         }
@@ -247,14 +270,16 @@ impl Module {
                 (around >= Around::Environment, "ENVIRONMENT"),
             ]),
             Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Forward { textured, clusters, around } => chosen(&[
-                (textured, "TEXTURED"),
-                (clusters, "CLUSTERS"),
-                (around >= Around::Ambient, "AMBIENT"),
-                (around >= Around::Environment, "ENVIRONMENT"),
-            ]),
-            Self::Lighting { layout, clusters } => {
-                chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
+            Self::Forward { textured, lights, around } => {
+                let surface = [
+                    (textured, "TEXTURED"),
+                    (around >= Around::Ambient, "AMBIENT"),
+                    (around >= Around::Environment, "ENVIRONMENT"),
+                ];
+                chosen(&[&surface[..], &lights.defines()].concat())
+            }
+            Self::Lighting { layout, lights } => {
+                chosen(&[&[(true, layout_define(layout))][..], &lights.defines()].concat())
             }
             Self::Tonemap | Self::Fullscreen => Vec::new(),
         }

@@ -94,18 +94,18 @@ pub struct LightData {
     pub direction_world: [f32; 3],
     /// `-cos(outer) * spot_scale`.
     pub spot_offset: f32,
-    /// The light's +Y, unit length; used by boxes.
+    /// The light's +Y, unit length; used by boxes and globe maps.
     pub up_world: [f32; 3],
     /// Within each face of a box, metres.
     pub falloff: f32,
     /// Colour times lux on surfaces that face away from directional and box lights.
     pub back_intensity: [f32; 3],
-    /// Unused.
-    pub padding_0: u32,
-    /// Half the extent of a box, metres.
+    /// The first layer of the light's globe map + 1; 0: none.
+    pub globe_map: u32,
+    /// Half the extent of a box, metres; of a spot that of its globe map at a distance of 1 m.
     pub half_size: [f32; 3],
-    /// Unused.
-    pub padding_1: u32,
+    /// Of the globe map, radians.
+    pub globe_rotation: f32,
 }
 
 /// How a view is cut into cells: `ClusterGrid` in `glsl/light/clusters.glsl`, std430. The cells' lists follow it

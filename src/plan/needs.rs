@@ -175,6 +175,8 @@ pub struct Needs {
     pub hemisphere_lights: usize,
     /// Directional and box lights that light surfaces from behind too.
     pub back_colors: usize,
+    /// Point, spot and box lights that shine through a globe map.
+    pub globe_maps: usize,
     /// How many lights that have a place may be lit: dark ones too, if one of their kind is not dark, since a host may
     /// light them up.
     pub most_local_lights: usize,
@@ -230,6 +232,7 @@ impl Needs {
             back_colors: lights()
                 .filter(|l| l.has_back() && !matches!(l.kind, LightKind::Hemisphere { .. }))
                 .count(),
+            globe_maps: lights().filter(|l| l.shown_globe_map().is_some()).count(),
             most_local_lights: most_local_lights(scene),
             environment: EnvironmentNeed::of(scene).filter(|_| lit.is_some()),
             triangles: scene.triangle_count(),

@@ -31,12 +31,13 @@ const FRAME: u32 = shared("BINDING_FRAME");
 const INSTANCES: u32 = shared("BINDING_INSTANCES");
 const LIGHTS: u32 = shared("BINDING_LIGHTS");
 const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
+const GLOBE_MAPS: u32 = shared("BINDING_GLOBE_MAPS");
 const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
 const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 7] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -44,6 +45,7 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 7] = {
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
         (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
         (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (GLOBE_MAPS, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
@@ -53,16 +55,18 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 7] = {
 impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
-        let clusters = plan.clusters.is_some();
         let frame: &[u32] = match pipeline {
-            Pipeline::Depth(_) => &[FRAME, INSTANCES],
-            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() => &[FRAME, INSTANCES],
-            Pipeline::Surface(_) if clusters => &[FRAME, INSTANCES, LIGHTS, CLUSTERS],
-            Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
-            Pipeline::Lighting if clusters => &[FRAME, LIGHTS, CLUSTERS],
-            Pipeline::Lighting => &[FRAME, LIGHTS],
-            Pipeline::Tonemap => &[FRAME],
+            Pipeline::Depth(_) | Pipeline::Surface(_) => &[FRAME, INSTANCES],
+            Pipeline::Lighting | Pipeline::Tonemap => &[FRAME],
         };
+        let lit = match pipeline {
+            Pipeline::Surface(kind) => !kind.unlit && !plan.has_gbuffer(),
+            Pipeline::Lighting => true,
+            Pipeline::Depth(_) | Pipeline::Tonemap => false,
+        };
+        let lights =
+            [(true, LIGHTS), (plan.clusters.is_some(), CLUSTERS), (plan.needs.globe_maps > 0, GLOBE_MAPS)];
+        let lights = lights.iter().filter(|(read, _)| lit && *read).map(|(_, binding)| binding);
         let around: &[u32] = match pipeline {
             Pipeline::Surface(kind) => match kind.around {
                 Around::Nothing => &[],
@@ -80,7 +84,10 @@ impl Family {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
-        Self { frame: frame.iter().chain(around).fold(0, |bits, binding| bits | 1 << binding), second }
+        Self {
+            frame: frame.iter().chain(lights).chain(around).fold(0, |bits, binding| bits | 1 << binding),
+            second,
+        }
     }
 
     /// Whether the second set is a material's.

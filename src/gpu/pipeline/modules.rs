@@ -1,7 +1,7 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
+    GeometryConstants, LightInputs, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
 };
 use crate::environment::TexelFormat;
 use crate::plan::{Pipeline, Plan, SurfaceKind};
@@ -19,7 +19,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         has_back: plan.needs.back_colors > 0,
         fold: plan.folded.then_some(output),
     };
-    let clusters = plan.clusters.is_some();
+    let lights = LightInputs { clusters: plan.clusters.is_some(), globe_maps: plan.needs.globe_maps > 0 };
     let (vertex, fragment, constants) = match pipeline {
         Pipeline::Depth(kind) => {
             let textured = kind.textures != 0;
@@ -44,12 +44,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
                 let around = kind.around;
-                let module = Module::Forward { textured, clusters, around };
+                let module = Module::Forward { textured, lights, around };
                 (vertex, module, constants.and(lighting.specialization()))
             }
         }
         Pipeline::Lighting => {
-            (Module::Fullscreen, Module::Lighting { layout, clusters }, lighting.specialization())
+            (Module::Fullscreen, Module::Lighting { layout, lights }, lighting.specialization())
         }
         Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
     };
