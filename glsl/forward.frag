@@ -8,6 +8,7 @@
 #include "brdf.glsl"
 #include "fragment.glsl"
 #include "light/direct.glsl"
+#include "fog.glsl"
 #include "tonemap.glsl"
 
 layout(location = TARGET_OUTPUT) out vec4 target_output;
@@ -15,8 +16,13 @@ layout(location = TARGET_OUTPUT) out vec4 target_output;
 void main() {
     Fragment fragment = surface_at_fragment();
     Surface surface = fragment.surface;
+    vec3 position = position_world(surface.depth);
     vec3 light = indirect_light(fragment);
-    light += direct_light(surface, position_world(surface.depth), view_direction_world());
+    light += direct_light(surface, position, view_direction_world());
     // The fragment's light is complete.
-    target_output = output_color(light * frame.exposure);
+    vec3 exposed_light = light * frame.exposure;
+    if (FOG) {
+        exposed_light = fogged(exposed_light, position);
+    }
+    target_output = output_color(exposed_light);
 }

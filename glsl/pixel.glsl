@@ -6,6 +6,11 @@ vec3 view_plane_offset_world() {
     return frame.right_world.xyz * ndc.x + frame.down_world.xyz * ndc.y;
 }
 
+// Where this pixel's ray is at distance 0 along the view axis.
+vec3 ray_origin_world() {
+    return frame.camera_position_world.xyz + view_plane_offset_world() * (1.0 - frame.camera_position_world.w);
+}
+
 // From the camera through this pixel, per metre along the view axis.
 vec3 ray_world() {
     return frame.forward_world.xyz + view_plane_offset_world() * frame.camera_position_world.w;
@@ -20,7 +25,5 @@ vec3 view_direction_world() {
 vec3 position_world(float depth) {
     vec4 d = frame.distance_from_depth;
     float distance = (d.x + d.y * depth) / (d.z + d.w * depth);
-    vec3 origin = frame.camera_position_world.xyz
-        + view_plane_offset_world() * (1.0 - frame.camera_position_world.w);
-    return origin + ray_world() * distance;
+    return ray_origin_world() + ray_world() * distance;
 }

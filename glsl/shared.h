@@ -15,6 +15,7 @@
 #define BINDING_SPLIT_SUM 8
 #define BINDING_ENVIRONMENT 9
 #define BINDING_RADIANCE 10
+#define BINDING_VOLUMES 4
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 
@@ -23,6 +24,7 @@
 #define INPUT_NORMAL_ROUGHNESS 1
 #define INPUT_BASE_COLOR_METALLIC 2
 #define INPUT_LIGHT 0
+#define INPUT_FOG_DEPTH 1
 
 // Vertex attribute locations.
 #define ATTRIBUTE_POSITION 0
@@ -36,6 +38,7 @@
 #define VARYING_TEXCOORD 1
 #define VARYING_TANGENT 2
 #define VARYING_COLOR 3
+#define VARYING_LIGHT 4
 
 // Colour output locations: of geometry, and of the subpasses with one output.
 #define TARGET_DEPTH 0
@@ -67,6 +70,18 @@
 #define ID_HAS_BOX 20
 #define ID_HAS_HEMISPHERE 21
 #define ID_HAS_BACK 22
+#define ID_VOLUME_SHAPE 23
+#define ID_BACKGROUND 24
+#define ID_BACKGROUND_RED 25
+#define ID_BACKGROUND_GREEN 26
+#define ID_BACKGROUND_BLUE 27
+#define ID_FOG 28
+#define ID_FOG_RED 29
+#define ID_FOG_GREEN 30
+#define ID_FOG_BLUE 31
+#define ID_FOG_DENSITY 32
+#define ID_FOG_BASE 33
+#define ID_FOG_INVERSE_HEIGHT 34
 #define ID_RGBM 40
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
@@ -82,3 +97,9 @@
 #define TONEMAP_ACES 1
 #define TONEMAP_REINHARD 2
 #define TONEMAP_LINEAR 3
+
+// Values of the constant VOLUME_SHAPE.
+#define VOLUME_SCREEN 0
+#define VOLUME_SPHERE 1
+#define VOLUME_CONE 2
+#define VOLUME_BOX 3

@@ -1,5 +1,5 @@
 #version 450
-// From the light target to the output.
+// From the light target to the output. WITH_FOG: fog comes between, and depth says how much.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
@@ -8,8 +8,25 @@
 layout(set = SET_INPUTS, binding = INPUT_LIGHT, input_attachment_index = INPUT_LIGHT)
     uniform subpassInput input_light;
 
+#ifdef WITH_FOG
+#include "pixel.glsl"
+#include "fog.glsl"
+
+layout(set = SET_INPUTS, binding = INPUT_FOG_DEPTH, input_attachment_index = INPUT_FOG_DEPTH)
+    uniform subpassInput input_depth;
+#endif
+
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
 void main() {
-    target_output = output_color(subpassLoad(input_light).rgb / frame.light_scale);
+    // Surfaces write alpha 1, and lights add 0 to it.
+    vec4 light = subpassLoad(input_light);
+    bool is_background = light.a == 0.0;
+    vec3 exposed_light = light.rgb / frame.light_scale;
+#ifdef WITH_FOG
+    if (!is_background) {
+        exposed_light = fogged(exposed_light, position_world(subpassLoad(input_depth).r));
+    }
+#endif
+    target_output = BACKGROUND && is_background ? background_color() : output_color(exposed_light);
 }

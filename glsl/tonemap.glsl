@@ -3,6 +3,10 @@
 
 layout(constant_id = ID_TONEMAP) const uint TONEMAP = TONEMAP_NEUTRAL;
 layout(constant_id = ID_DITHER) const bool DITHER = false;
+layout(constant_id = ID_BACKGROUND) const bool BACKGROUND = false;
+layout(constant_id = ID_BACKGROUND_RED) const float BACKGROUND_RED = 0.0;
+layout(constant_id = ID_BACKGROUND_GREEN) const float BACKGROUND_GREEN = 0.0;
+layout(constant_id = ID_BACKGROUND_BLUE) const float BACKGROUND_BLUE = 0.0;
 
 // Khronos PBR Neutral Tone Mapper, specification 2024: colours below 0.8 keep hue and saturation.
 vec3 tonemap_neutral(vec3 color) {
@@ -83,4 +87,9 @@ vec3 dither(vec3 linear) {
 vec4 output_color(vec3 exposed_light) {
     vec3 color = tonemap(exposed_light);
     return vec4(DITHER ? dither(color) : color, 1.0);
+}
+
+// Where no surface is and a colour is wanted (BACKGROUND): display light already.
+vec4 background_color() {
+    return vec4(BACKGROUND_RED, BACKGROUND_GREEN, BACKGROUND_BLUE, 1.0);
 }

@@ -3,6 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
+#include "pixel.glsl"
+#include "fog.glsl"
 #include "material.glsl"
 #include "tonemap.glsl"
 
@@ -13,5 +15,9 @@ void main() {
     if (material_is_cut(base_color.a)) {
         discard;
     }
-    target_output = output_color(base_color.rgb * frame.exposure);
+    vec3 exposed_light = base_color.rgb * frame.exposure;
+    if (FOG) {
+        exposed_light = fogged(exposed_light, position_world(gl_FragCoord.z));
+    }
+    target_output = output_color(exposed_light);
 }

@@ -63,6 +63,7 @@ pub mod environment;
 mod error;
 pub mod file;
 pub mod gpu;
+pub mod lightmap;
 pub mod measure;
 pub mod picture;
 pub mod plan;

@@ -157,3 +157,32 @@ fn standard_output_may_break() {
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(message.starts_with("ontile: standard output: cannot write"), "{message}");
 }
+
+#[test]
+fn environments_are_baked_and_taken_in_the_panoramas_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let sky = |i: u32| if i < 256 { 200 } else { 20 };
+    rgba8(32, 16, sky).to_linear().write(&at.join("sky.exr")).unwrap();
+    std::fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/grid.glb"), at.join("grid.glb")).unwrap();
+    expect(at, 0, &["bake", "environment", "sky.exr", "-o", "sky.ktx2", "--size", "32"]);
+
+    let plan = |args: &[&str]| expect(at, 0, &[&["plan", "grid.glb", "--environment"], args].concat());
+    assert!(plan(&["sky.exr", "--environment-format", "rgbm"]).contains("cube 256x256, 6 levels, rgbm"));
+    assert!(plan(&["sky.ktx2"]).contains("cube 32x32, 3 levels, e5b9g9r9"), "as it was baked");
+    assert!(
+        !plan(&["sky.ktx2", "--environment-intensity", "0"]).contains("radiance"),
+        "no light, no texture"
+    );
+
+    let fails = |args: &[&str], part: &str| {
+        let message = expect(at, 1, args);
+        assert!(message.contains(part), "{args:?}: {message}");
+    };
+    rgba8(32, 16, sky).write(&at.join("sky.png")).unwrap();
+    fails(&["bake", "environment", "sky.ktx2", "-o", "again.ktx2"], "filtered already");
+    fails(&["bake", "environment", "sky.exr", "-o", "sky.hdr"], "ends in .ktx2");
+    fails(&["bake", "environment", "sky.png", "-o", "new.ktx2"], "cannot hold radiance");
+    fails(&["plan", "grid.glb", "--environment", "absent.hdr"], "absent.hdr: cannot read");
+    assert!(!at.join("again.ktx2").exists() && !at.join("new.ktx2").exists());
+}

@@ -8,7 +8,7 @@ mod reflect;
 mod shader_manifest;
 
 use ontile::gpu::shader::{
-    GeometryConstants, LightInputs, LightingConstants, Module, OutputConstants, Specialization,
+    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, Specialization,
     embedded_names, shared,
 };
 use ontile::gpu::shared::{
@@ -21,6 +21,8 @@ use rspirv::spirv::{Decoration, Op};
 use shader_manifest::{Manifest, sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
+
+const ALL_LIGHTS: LightInputs = LightInputs { which: LightLoop::All, globe_maps: false };
 
 fn glsl() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("glsl")
@@ -200,9 +202,7 @@ fn shared_structs_have_the_shaders_offsets() {
 
 #[test]
 fn wrong_offsets_are_reported() {
-    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, lights: LightInputs::default() }
-        .spirv()
-        .unwrap();
+    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, lights: ALL_LIGHTS }.spirv().unwrap();
     let light = &blocks()[3];
 
     // Rust's side: two members change places, one is forgotten.
@@ -258,8 +258,7 @@ fn interfaces_have_the_numbers_of_shared_h() {
 fn wrong_interfaces_are_reported() {
     let numbers = shared_numbers();
     let nutc = Module::GeometryVertex { normal: true, texcoord: true, tangent: true, color: true };
-    let lighting =
-        Module::Lighting { layout: ontile::plan::Layout::Metallic128, lights: LightInputs::default() };
+    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, lights: ALL_LIGHTS };
     for (module, decoration) in [
         (nutc, Decoration::Location),
         (nutc, Decoration::DescriptorSet),
@@ -326,9 +325,10 @@ fn vertices_have_the_attributes_of_their_key() {
 /// A value for every constant that the typed builders know for this module.
 fn specialization(module: Module) -> Specialization {
     let geometry = GeometryConstants::default().specialization();
-    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false };
+    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false, background: None, fog: None };
     match module {
         Module::GeometryVertex { .. } | Module::Fullscreen => Specialization::default(),
+        Module::LightVolume => Specialization::volume(0),
         Module::GeometryFragment { .. } | Module::Mask { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),
         Module::Forward { .. } => {
@@ -337,7 +337,7 @@ fn specialization(module: Module) -> Specialization {
         Module::Lighting { .. } => {
             LightingConstants { fold: Some(output), ..Default::default() }.specialization()
         }
-        Module::Tonemap => output.specialization(),
+        Module::Tonemap { .. } => output.specialization(),
     }
 }
 

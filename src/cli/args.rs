@@ -7,8 +7,10 @@ use std::str::FromStr;
 use clap::Args;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use ontile::environment::TexelFormat;
+use ontile::glam::Vec3;
 use ontile::picture::FileFormat;
 use ontile::plan::{Layout, LightWay, Options, OutputFormat, Path, Strategy, Tonemap};
+use ontile::scene::{Background, FogHeight};
 
 /// What is looked at.
 #[derive(Args, Debug)]
@@ -24,6 +26,20 @@ pub struct SceneArgs {
     /// Light from every direction alike, in cd/m² [default: the scene's own]
     #[arg(long, value_name = "RADIANCE", value_parser = radiance, allow_negative_numbers = true)]
     pub ambient: Option<f32>,
+    /// What is seen where there is no surface: a colour in sRGB, which neither exposure nor tone curve change
+    /// [default: the scene's own, else black]
+    #[arg(long, value_name = "#RRGGBB", value_parser = background)]
+    pub background: Option<Background>,
+    /// Fog: the share of light that is lost per metre; 0 is none [default: the scene's own]
+    #[arg(long, value_name = "DENSITY", value_parser = fog_density, allow_negative_numbers = true)]
+    pub fog: Option<f32>,
+    /// The fog's radiance in cd/m² [default: the scene's own, else 0.5,0.6,0.7]
+    #[arg(long, value_name = "R,G,B", value_parser = fog_color, allow_hyphen_values = true)]
+    pub fog_color: Option<Vec3>,
+    /// World height in metres at which --fog is meant, and metres upwards over which fog gets thinner by a factor e [default: the
+    /// scene's own, else fog is alike at all heights]
+    #[arg(long, value_name = "BASE,SCALE", value_parser = fog_height, allow_hyphen_values = true)]
+    pub fog_height: Option<FogHeight>,
     /// Light from far away: an equirectangular .hdr or .exr picture of radiance in cd/m², or what 'ontile bake environment' made
     /// of one [default: the scene's own, else none]
     #[arg(long, value_name = "FILE")]
@@ -167,7 +183,7 @@ impl Output {
 }
 
 /// A parser for one of the library's named enums that lists the names in help and errors.
-fn named<T>(all: &'static [T], name: fn(T) -> &'static str) -> impl TypedValueParser<Value = T>
+pub fn named<T>(all: &'static [T], name: fn(T) -> &'static str) -> impl TypedValueParser<Value = T>
 where
     T: FromStr<Err = String> + Copy + Send + Sync + 'static,
 {
@@ -182,13 +198,44 @@ fn exposure(text: &str) -> Result<f32, String> {
     }
 }
 
-fn radiance(text: &str) -> Result<f32, String> {
+/// A radiance in cd/m².
+pub fn radiance(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(nt) if nt >= 0.0 && nt.is_finite() => Ok(nt),
         _ => Err("give a radiance in cd/m², 0 or more".into()),
     }
 }
 
+fn background(text: &str) -> Result<Background, String> {
+    Background::from_hex(text).ok_or_else(|| "give a colour as six hexadecimal digits, as in #87ceeb".into())
+}
+
+fn fog_density(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(density) if density >= 0.0 && density.is_finite() => Ok(density),
+        _ => Err("give a share per metre, 0 or more".into()),
+    }
+}
+
+fn fog_color(text: &str) -> Result<Vec3, String> {
+    match numbers::<3>(text) {
+        Some(color) if color.iter().all(|c| *c >= 0.0) => Ok(Vec3::from_array(color)),
+        _ => Err("give three radiances in cd/m², 0 or more, as in 0.5,0.6,0.7".into()),
+    }
+}
+
+fn fog_height(text: &str) -> Result<FogHeight, String> {
+    match numbers::<2>(text) {
+        Some([base_m, scale_m]) if scale_m > 0.0 => Ok(FogHeight { base_m, scale_m }),
+        _ => Err("give two numbers of metres, the second above 0, as in 0,5".into()),
+    }
+}
+
+/// Finite numbers with commas between.
+fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
+    let parsed: Vec<f32> = text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
+    parsed.try_into().ok().filter(|list: &[f32; N]| list.iter().all(|x| x.is_finite()))
+}
 fn degrees(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(degrees) if degrees.is_finite() => Ok(degrees),

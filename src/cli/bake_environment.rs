@@ -50,9 +50,12 @@ pub fn run(args: &EnvironmentArgs) -> Result<()> {
         Content::Panorama(panorama) => {
             Prefiltered::new(&panorama, args.size, args.environment_format).write(&args.output)
         }
-        Content::Prefiltered(_) => {
-            Err(Error::input(path, "environment", "was filtered already", "give the panorama that it was made of"))
-        }
+        Content::Prefiltered(_) => Err(Error::input(
+            path,
+            "environment",
+            "was filtered already",
+            "give the panorama that it was made of",
+        )),
     }
 }
 

@@ -1,6 +1,8 @@
 //! The command line: what was typed, done and told.
 
 mod args;
+mod bake;
+mod bake_environment;
 mod compare;
 mod info;
 mod output;
@@ -32,6 +34,7 @@ enum Command {
     Plan(plan::PlanCommandArgs),
     Info(info::InfoArgs),
     Compare(compare::CompareArgs),
+    Bake(bake::BakeArgs),
 }
 
 /// Runs the program with the process's arguments.
@@ -49,6 +52,7 @@ pub fn main() -> ExitCode {
         Command::Plan(args) => plan::run(args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Bake(args) => bake::run(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -2,7 +2,8 @@
 
 use ontile::Result;
 use ontile::environment::{Cache, DEFAULT_FACE_SIZE, TexelFormat};
-use ontile::scene::{Camera, Environment, Scene};
+use ontile::glam::Vec3;
+use ontile::scene::{Camera, Environment, Fog, Scene};
 
 use super::args::SceneArgs;
 use super::print;
@@ -17,6 +18,8 @@ pub fn load(args: &SceneArgs) -> Result<Scene> {
         scene.ambient_nt = ontile::glam::Vec3::splat(ambient);
     }
     read_environment(&mut scene, args)?;
+    scene.background = args.background.unwrap_or(scene.background);
+    apply_fog(&mut scene, args);
     if args.no_shadows {
         scene = scene.without_shadows();
     }
@@ -25,6 +28,24 @@ pub fn load(args: &SceneArgs) -> Result<Scene> {
         print::warning(warning);
     }
     Ok(scene)
+}
+
+fn apply_fog(scene: &mut Scene, args: &SceneArgs) {
+    if args.fog.is_none() && args.fog_color.is_none() && args.fog_height.is_none() {
+        return;
+    }
+    let color_nt = Vec3::new(0.5, 0.6, 0.7);
+    let own = scene.fog.unwrap_or(Fog { color_nt, density_per_m: 0.0, height: None });
+    scene.fog = Some(Fog {
+        density_per_m: args.fog.unwrap_or(own.density_per_m),
+        color_nt: args.fog_color.unwrap_or(own.color_nt),
+        height: args.fog_height.or(own.height),
+    });
+    if scene.fog.is_some_and(|fog| fog.density_per_m == 0.0) && args.fog.is_none() {
+        print::warning(
+            "--fog-color and --fog-height are without effect: the scene has no fog, and --fog gives none",
+        );
+    }
 }
 
 /// The environment that the arguments ask for.

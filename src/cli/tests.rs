@@ -1,9 +1,13 @@
 use std::ffi::OsString;
 
 use clap::{Args, CommandFactory, FromArgMatches};
+use ontile::environment::TexelFormat;
+use ontile::glam::Vec3;
 use ontile::picture::{FileFormat, Picture, Pixels};
 use ontile::plan::{Layout, Options, OutputFormat, Strategy, Tonemap};
+use ontile::scene::{Background, FogHeight};
 
+use super::bake_environment::EnvironmentArgs;
 use super::info::InfoArgs;
 use super::plan::PlanCommandArgs;
 use super::progress::Progress;
@@ -31,6 +35,7 @@ fn definitions_are_sound() {
     command::<RenderArgs>().debug_assert();
     command::<PlanCommandArgs>().debug_assert();
     command::<InfoArgs>().debug_assert();
+    command::<EnvironmentArgs>().debug_assert();
 }
 
 #[test]
@@ -43,6 +48,28 @@ fn defaults_are_the_librarys() {
     assert_eq!((args.run.frames, args.run.report, args.run.device), (1, None, None));
     assert!(!args.run.validate && !args.run.capture);
     assert_eq!(args.plan.exposure, 0.0);
+}
+
+#[test]
+fn what_is_around_arrives() {
+    let args: RenderArgs =
+        parse("s.glb -o o.png --background #ff0080 --fog 0.02 --fog-color 1,2,0.5 --fog-height -3,8.5")
+            .unwrap();
+    assert_eq!(args.scene.background, Background::from_hex("#ff0080"));
+    assert_eq!(args.scene.fog, Some(0.02));
+    assert_eq!(args.scene.fog_color, Some(Vec3::new(1.0, 2.0, 0.5)));
+    assert_eq!(args.scene.fog_height, Some(FogHeight { base_m: -3.0, scale_m: 8.5 }));
+    for (flag, values) in [
+        ("background", &["ff0080", "#ff008", "blue"][..]),
+        ("fog", &["-1", "NaN", "inf", "much"]),
+        ("fog-color", &["1,2", "1,2,3,4", "-1,0,0", "NaN,0,0", "1,2,"]),
+        ("fog-height", &["1", "0,0", "0,-1", "inf,1", "0,NaN"]),
+    ] {
+        for value in values {
+            let message = usage_error::<RenderArgs>(&format!("s.glb -o o.png --{flag} {value}"));
+            assert!(message.contains("give "), "{flag} {value}: {message}");
+        }
+    }
 }
 
 #[test]
@@ -89,6 +116,29 @@ fn plan_takes_the_same_scene_and_frame_flags() {
 }
 
 #[test]
+fn environments_arrive() {
+    let args: RenderArgs = parse(
+        "s.glb -o o.png --environment sky.hdr --environment-rotation -45 --environment-intensity 0.5 \
+         --environment-format rgbm",
+    )
+    .unwrap();
+    assert_eq!(args.scene.environment.as_deref(), Some("sky.hdr".as_ref()));
+    let numbers = (args.scene.environment_rotation, args.scene.environment_intensity);
+    assert_eq!(numbers, (Some(-45.0), Some(0.5)));
+    assert_eq!(args.options().environment_format, TexelFormat::Rgbm);
+    let args: EnvironmentArgs = parse("sky.hdr -o sky.ktx2 --size 128 --environment-format rgba16f").unwrap();
+    assert_eq!((args.size, args.environment_format), (128, TexelFormat::Rgba16F));
+    let args: EnvironmentArgs = parse("sky.hdr -o sky.ktx2").unwrap();
+    assert_eq!((args.size, args.environment_format), (256, Options::default().environment_format));
+    for size in ["100", "8", "2048", "-16", "big"] {
+        assert!(
+            usage_error::<EnvironmentArgs>(&format!("a -o b --size {size}")).contains("16 to 1024"),
+            "{size}"
+        );
+    }
+}
+
+#[test]
 fn usage_errors_say_what_is_right() {
     let cases = [
         ("s.glb", "--output"),
@@ -110,6 +160,9 @@ fn usage_errors_say_what_is_right() {
         ("s.glb -o o.png --ambient inf", "0 or more"),
         ("s.glb -o o.png --max-lights few", "--max-lights"),
         ("s.glb -o o.png --no-shadows --max-shadows 2", "cannot be used with"),
+        ("s.glb -o o.png --environment-rotation NaN", "an angle in degrees"),
+        ("s.glb -o o.png --environment-intensity -1", "0 or more"),
+        ("s.glb -o o.png --environment-format rgb9e5", "rgbm, b10g11r11, e5b9g9r9, rgba16f"),
         ("s.glb -o o.png --frames 0", "--frames"),
         ("s.glb -o o.png --unknown", "--unknown"),
     ];
@@ -131,7 +184,12 @@ fn paths_need_not_be_unicode() {
 
 #[test]
 fn help_explains_every_flag_with_its_default() {
-    for mut command in [command::<RenderArgs>(), command::<PlanCommandArgs>(), command::<InfoArgs>()] {
+    for mut command in [
+        command::<RenderArgs>(),
+        command::<PlanCommandArgs>(),
+        command::<InfoArgs>(),
+        command::<EnvironmentArgs>(),
+    ] {
         let help = command.render_long_help().to_string();
         assert!(help.contains("Examples:\n  ontile "), "{help}");
         for arg in command.get_arguments() {

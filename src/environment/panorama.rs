@@ -1,6 +1,7 @@
 //! Equirectangular pictures of radiance.
 
 use std::f64::consts::{PI, TAU};
+use std::fmt;
 use std::fs;
 use std::io::Cursor;
 use std::path::Path;
@@ -27,7 +28,7 @@ const MAKE_IT_HDR: &str = "give a Radiance (.hdr) or OpenEXR (.exr) picture of l
 /// around +Y: the left edge lies towards -Z, a quarter of the width towards +X, the centre towards +Z and three quarters
 /// towards -X, as in Filament and Mitsuba. Texels are point samples at their centres; between them radiance is
 /// interpolated bilinearly, around the seam and up to the first and last row, whose texels hold for the rest.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Panorama {
     width: u32,
     height: u32,
@@ -142,6 +143,14 @@ impl Panorama {
         let texel = |i, j| self.texels[row(j) * self.width as usize + column(i)].as_dvec3();
         let (i, j) = (left as i64, top as i64);
         texel(i, j).lerp(texel(i + 1, j), s).lerp(texel(i, j + 1).lerp(texel(i + 1, j + 1), s), t)
+    }
+}
+
+/// Without texels, which would fill books.
+impl fmt::Debug for Panorama {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { width, height, .. } = self;
+        f.debug_struct("Panorama").field("width", width).field("height", height).finish_non_exhaustive()
     }
 }
 

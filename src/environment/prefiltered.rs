@@ -1,5 +1,6 @@
 //! An environment as shading looks it up.
 
+use std::fmt;
 use std::ops::RangeInclusive;
 
 use glam::{DVec3, Vec3, Vec4};
@@ -18,7 +19,7 @@ pub const FACE_SIZES: RangeInclusive<u32> = 16..=1024;
 pub const DEFAULT_FACE_SIZE: u32 = 256;
 
 /// Radiance by roughness, and irradiance: all that shading needs of an environment.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Prefiltered {
     pub(super) format: TexelFormat,
     pub(super) face_size: u32,
@@ -34,11 +35,7 @@ impl Prefiltered {
     /// If `face_size` is none of [`FACE_SIZES`].
     pub fn new(panorama: &Panorama, face_size: u32, format: TexelFormat) -> Self {
         assert!(is_face_size(face_size), "{face_size} is no power of two in {FACE_SIZES:?}");
-        let sharp = resample(panorama, face_size);
-        let tree = Tree::new(face_size, &sharp);
-        let count = level_count(face_size);
-        let blurred = (1..count).map(|i| tree.filter(face_size >> i, roughness_from_level(i, count)));
-        let levels: Vec<_> = std::iter::once(sharp.clone()).chain(blurred).collect();
+        let levels = filter(panorama, face_size);
         let brightest = levels.iter().flatten().map(|texel| texel.max_element()).fold(0.0, f32::max);
         let scale = scale(brightest, format);
         let encode = |texels: &Vec<Vec3>| {
@@ -85,8 +82,28 @@ impl Prefiltered {
     }
 }
 
+/// Without texels, which would fill books.
+impl fmt::Debug for Prefiltered {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { format, face_size, scale, irradiance, .. } = self;
+        let mut parts = f.debug_struct("Prefiltered");
+        parts.field("format", format).field("face_size", face_size).field("scale", scale);
+        parts.field("irradiance", irradiance).finish_non_exhaustive()
+    }
+}
+
 pub(super) fn is_face_size(size: u32) -> bool {
     size.is_power_of_two() && FACE_SIZES.contains(&size)
+}
+
+/// All levels, in floats.
+fn filter(panorama: &Panorama, face_size: u32) -> Vec<Vec<Vec3>> {
+    let sharp = resample(panorama, face_size);
+    let tree = Tree::new(face_size, &sharp);
+    let count = level_count(face_size);
+    let blurred = (1..count).map(|i| tree.filter(face_size >> i, roughness_from_level(i, count)));
+    let blurred: Vec<_> = blurred.collect();
+    std::iter::once(sharp).chain(blurred).collect()
 }
 
 /// The panorama as a cube: each texel the mean of samples no further apart than the panorama's texels at its equator.
@@ -167,6 +184,7 @@ impl Lookup {
 mod tests {
     use super::*;
     use crate::environment::direction_from_uv;
+    use std::path::{Path, PathBuf};
 
     /// A gentle sky over a dark floor, with a sun of a texel or two.
     fn sky(width: u32, sun: f32) -> Panorama {
@@ -217,6 +235,76 @@ mod tests {
             println!("harmonics, sun {sun}: mean {mean:.4}, worst {worst:.4} of the peak");
             assert!(mean < mean_bound && worst < worst_bound, "sun {sun}: {mean} {worst}");
             assert!(directions().iter().all(|n| lookup.irradiance(*n).min_element() >= 0.0));
+        }
+    }
+
+    /// What each format costs against floats: relative errors of look-ups at all roughnesses, and what the largest error would
+    /// be seen as.
+    #[test]
+    fn formats_cost_what_they_are_said_to() {
+        // Mean relative error of a look-up, and the error that one in a hundred exceeds.
+        let bounds = [
+            (TexelFormat::Rgbm, 0.2, 1.0),
+            (TexelFormat::B10G11R11, 0.006, 0.02),
+            (TexelFormat::E5B9G9R9, 0.001, 0.006),
+            (TexelFormat::Rgba16F, 3e-4, 1e-3),
+        ];
+        const SIZE: u32 = 64;
+        let mut panoramas = vec![("sky and sun".to_owned(), sky(128, 3000.0))];
+        let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
+        let folder = std::env::var_os("ONTILE_SHARED").map_or(shared, PathBuf::from).join("assets/hdri");
+        for file in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+            let panorama = Panorama::read(&file.path()).unwrap();
+            panoramas.push((file.file_name().to_string_lossy().into_owned(), panorama));
+        }
+        if panoramas.len() == 1 {
+            println!("ignored: sample panoramas: {} absent", folder.display());
+        }
+        println!(
+            "{:<40} {:<10} {:>8} {:>9} {:>9} {:>9} {:>6}",
+            "relative error", "", "bytes", "mean", "99 %", "most", "dB"
+        );
+        for (name, panorama) in &panoramas {
+            let levels = filter(panorama, SIZE);
+            let cube = |level: &Vec<Vec3>| {
+                let texels: Vec<_> = level.iter().map(|t| t.extend(1.0)).collect();
+                Cube::new((level.len() / FACES).isqrt(), &texels)
+            };
+            let floats = Lookup {
+                format: TexelFormat::Rgba16F,
+                scale: 1.0,
+                levels: levels.iter().map(cube).collect(),
+                irradiance: [Vec3::ZERO; 9],
+            };
+            for (format, mean_bound, most_bound) in bounds {
+                let prefiltered = Prefiltered::new(panorama, SIZE, format);
+                let lookup = Lookup::new(&prefiltered);
+                let mut errors = Vec::new();
+                let (mut noise, mut signal) = (0.0, 0.0);
+                for (i, d) in (0..50).flat_map(|_| directions()).enumerate() {
+                    let d = (d + DVec3::splat(0.013 * (i / 200) as f64)).normalize();
+                    let roughness = (i as f64 * 0.7548) % 1.0;
+                    let (truth, found) = (floats.radiance(d, roughness), lookup.radiance(d, roughness));
+                    errors.push((found - truth).abs().max_element() / truth.max_element().max(1e-9));
+                    noise += (found - truth).length_squared();
+                    signal += truth.length_squared();
+                }
+                errors.sort_by(f64::total_cmp);
+                let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+                let part = |part: f64| errors[(part * (errors.len() - 1) as f64) as usize];
+                println!(
+                    "{name:<40} {format:<10} {:>8} {mean:>9.5} {:>9.5} {:>9.5} {:>6.1}",
+                    prefiltered.bytes(),
+                    part(0.99),
+                    part(1.0),
+                    10.0 * f64::log10(signal / noise)
+                );
+                assert!(
+                    mean < mean_bound && part(0.99) < most_bound,
+                    "{name}, {format}: {mean} {}",
+                    part(0.99)
+                );
+            }
         }
     }
 

@@ -1,4 +1,17 @@
 //! How radiance is stored in textures.
+//!
+//! What storage costs, against floats, over look-ups at all directions and roughnesses in a sky with a sun (signal to noise
+//! and mean relative error; two photographed panoramas give the same but for RGBM):
+//!
+//! | format | bits a texel | dB | mean | 99 % within |
+//! |---|---|---|---|---|
+//! | RGBM | 32 | 12 (20 without a sun) | 5 % | 26 % |
+//! | B10G11R11 | 32 | 49 | 0.35 % | 0.9 % |
+//! | E5B9G9R9 | 32 | 66 | 0.06 % | 0.13 % |
+//! | RGBA16F | 64 | 79 | 0.013 % | 0.03 % |
+//!
+//! RGBM is right at texel centres; between them it filters factors apart from colours, which is worst beside a sun. So
+//! E5B9G9R9 is the default. (`formats_cost_what_they_are_said_to` in `prefiltered` prints the table.)
 
 use glam::{Vec3, Vec4};
 use serde::{Deserialize, Serialize};

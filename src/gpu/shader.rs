@@ -116,16 +116,32 @@ pub enum Module {
         lights: LightInputs,
     },
     /// Turns the light target into the output.
-    Tonemap,
+    Tonemap {
+        /// Whether fog lies between, so that depth is read too.
+        fog: bool,
+    },
     /// One triangle over the whole image.
     Fullscreen,
+    /// A mesh around what a light reaches.
+    LightVolume,
+}
+
+/// The lights that a pixel looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LightLoop {
+    /// All.
+    All,
+    /// Those that shine everywhere and those in the list of its cluster.
+    Cluster,
+    /// The one that is drawn.
+    One,
 }
 
 /// What shading reads of the lights beside the list of them: descriptors that exist only where they are needed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LightInputs {
-    /// Each pixel looks at the lights of its cluster, not at all.
-    pub clusters: bool,
+    /// Which lights a pixel looks at.
+    pub which: LightLoop,
     /// Some lights shine through globe maps.
     pub globe_maps: bool,
 }
@@ -133,17 +149,26 @@ pub struct LightInputs {
 impl LightInputs {
     /// Every combination.
     pub fn all() -> impl Iterator<Item = Self> {
-        (0..4).map(|bits| Self { clusters: bits & 1 != 0, globe_maps: bits & 2 != 0 })
+        let loops = [LightLoop::All, LightLoop::Cluster, LightLoop::One];
+        loops.into_iter().flat_map(|which| [false, true].map(|globe_maps| Self { which, globe_maps }))
     }
 
     /// Its part of a module's name.
     fn suffix(self) -> String {
-        let parts = [(self.clusters, "_clusters"), (self.globe_maps, "_globes")];
-        parts.iter().filter(|(has, _)| *has).map(|(_, name)| *name).collect()
+        let which = match self.which {
+            LightLoop::All => "",
+            LightLoop::Cluster => "_clusters",
+            LightLoop::One => "_one",
+        };
+        format!("{which}{}", if self.globe_maps { "_globes" } else { "" })
     }
 
-    fn defines(self) -> [(bool, &'static str); 2] {
-        [(self.clusters, "CLUSTERS"), (self.globe_maps, "GLOBE_MAPS")]
+    fn defines(self) -> [(bool, &'static str); 3] {
+        [
+            (self.which == LightLoop::Cluster, "CLUSTERS"),
+            (self.which == LightLoop::One, "ONE_LIGHT"),
+            (self.globe_maps, "GLOBE_MAPS"),
+        ]
     }
 }
 
@@ -180,10 +205,12 @@ impl Module {
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
         for (textured, around) in [false, true].into_iter().flat_map(|t| AROUND.map(|around| (t, around))) {
-            all.extend(LightInputs::all().map(|lights| Self::Forward { textured, lights, around }));
+            let lights = LightInputs::all().filter(|lights| lights.which != LightLoop::One);
+            all.extend(lights.map(|lights| Self::Forward { textured, lights, around }));
         }
         all.extend([false, true].map(|textured| Self::Mask { textured }));
-        all.extend([Self::Tonemap, Self::Fullscreen]);
+        all.extend([false, true].map(|fog| Self::Tonemap { fog }));
+        all.extend([Self::Fullscreen, Self::LightVolume]);
         all
     }
 
@@ -214,8 +241,9 @@ impl Module {
                 format!("forward{}{textured}{}.frag", lights.suffix(), around_suffix(around))
             }
             Self::Lighting { layout, lights } => format!("lighting_{layout}{}.frag", lights.suffix()),
-            Self::Tonemap => "tonemap.frag".into(),
+            Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
             Self::Fullscreen => "fullscreen.vert".into(),
+            Self::LightVolume => "light_volume.vert".into(),
         }
     }
 
@@ -228,21 +256,22 @@ impl Module {
             Self::Forward { .. } => "forward.frag",
             Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
-            Self::Tonemap => "tonemap.frag",
+            Self::Tonemap { .. } => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
+            Self::LightVolume => "light_volume.vert",
         }
     }
 
     /// The stage that it is for.
     pub fn stage(self) -> Stage {
         match self {
-            Self::GeometryVertex { .. } | Self::Fullscreen => Stage::Vertex,
+            Self::GeometryVertex { .. } | Self::Fullscreen | Self::LightVolume => Stage::Vertex,
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
             | Self::Mask { .. }
             | Self::Lighting { .. }
-            | Self::Tonemap => Stage::Fragment,
+            | Self::Tonemap { .. } => Stage::Fragment,
         }
     }
 
@@ -281,7 +310,8 @@ impl Module {
             Self::Lighting { layout, lights } => {
                 chosen(&[&[(true, layout_define(layout))][..], &lights.defines()].concat())
             }
-            Self::Tonemap | Self::Fullscreen => Vec::new(),
+            Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
+            Self::Fullscreen | Self::LightVolume => Vec::new(),
         }
     }
 

@@ -99,6 +99,9 @@ const EXACT: LayoutTable = LayoutTable {
 };
 
 impl Layout {
+    /// The place of reversed depth among the surface targets of every layout.
+    pub(super) const DEPTH: usize = 0;
+
     /// What the layout consists of.
     pub const fn table(self) -> &'static LayoutTable {
         match self {

@@ -124,10 +124,8 @@ pub struct DeviceFigures {
     pub cpu_light_lists_ms: Option<f64>,
     /// Pipeline statistics of the last frame: name and count.
     pub statistics: Vec<(String, Figure)>,
-    /// Draw calls of a frame.
-    pub draws: usize,
-    /// Pipeline, descriptor set and buffer bindings of a frame.
-    pub state_changes: usize,
+    /// What the last frame's commands consist of.
+    pub frame: super::FrameCounts,
     /// Frames rendered.
     pub frames: usize,
     /// Bytes of device memory that the renderer allocated, transient attachments excluded.
@@ -239,6 +237,9 @@ impl Plan {
     /// A pipeline in words.
     pub fn pipeline_text(&self, pipeline: &super::Pipeline) -> String {
         use super::Pipeline as P;
+        let fog = if self.needs.fog.is_some() { " +fog" } else { "" };
+        let background = if self.needs.background.is_some() { " +background colour" } else { "" };
+        let around = format!("{fog}{background}");
         match pipeline {
             P::Surface(kind) => {
                 let need = self.needs.kinds.iter().find(|n| n.kind == *kind);
@@ -256,9 +257,14 @@ impl Plan {
                 ];
                 flags.iter().filter(|(on, _)| *on).fold("depth".into(), |text, (_, flag)| text + flag)
             }
-            P::Lighting if self.folded => format!("lighting, {} tone curve", self.options.tonemap),
+            P::Lighting if self.folded => format!("lighting, {} tone curve{around}", self.options.tonemap),
+            P::Lighting if matches!(self.light_way, super::LightWay::Volumes | super::LightWay::Stencil) => {
+                "lighting by what shines everywhere".into()
+            }
             P::Lighting => "lighting".into(),
-            P::Tonemap => format!("tonemap, {} curve", self.options.tonemap),
+            P::LightMask(shape) => format!("light mask, {shape}"),
+            P::LightVolume(shape) => format!("light, {shape}"),
+            P::Tonemap => format!("tonemap, {} curve{around}", self.options.tonemap),
         }
     }
 }

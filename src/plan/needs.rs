@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{Around, EnvironmentNeed};
-use crate::scene::{AlphaMode, LightKind, Material, Mesh, Scene, TextureRef};
+use crate::scene::{AlphaMode, Background, Fog, LightKind, Material, Mesh, Scene, TextureRef};
 
 /// The texture slots of a material, in the order of shader slots.
 pub const SLOTS: [&str; 5] = ["base colour", "metallic-roughness", "normal", "occlusion", "emissive"];
@@ -184,12 +184,21 @@ pub struct Needs {
     pub environment: Option<EnvironmentNeed>,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
+    /// The background, as linear display light, if it is a colour.
+    pub background: Option<[f32; 3]>,
+    /// Fog, if it changes anything.
+    pub fog: Option<Fog>,
 }
 
 impl Needs {
     /// Lights that are not dark and have a place, so that they may be far from a pixel.
     pub fn local_lights(&self) -> usize {
         self.point_lights + self.spot_lights + self.box_lights
+    }
+
+    /// Lights that are not dark and shine everywhere alike.
+    pub fn global_lights(&self) -> usize {
+        self.directional_lights + self.hemisphere_lights
     }
 
     /// Reads them off a scene.
@@ -236,6 +245,11 @@ impl Needs {
             most_local_lights: most_local_lights(scene),
             environment: EnvironmentNeed::of(scene).filter(|_| lit.is_some()),
             triangles: scene.triangle_count(),
+            background: match scene.background {
+                Background::Black => None,
+                Background::Color(color) => Some(color.to_array()),
+            },
+            fog: scene.fog.filter(|fog| fog.density_per_m > 0.0 && !kinds.is_empty()),
             lit,
             kinds,
         }

@@ -1,6 +1,6 @@
 //! The stages of a frame and the resources that they exchange, before anything is placed in memory.
 
-use super::{Format, Needs, Options, Path, layout::Target};
+use super::{Format, Layout, LightWay, Needs, Options, Path, layout::Target};
 
 /// Something that stages write and read, one value a pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +30,8 @@ pub enum Use {
     Depth,
     /// Depth test against what earlier stages wrote.
     DepthTest,
+    /// The same, and the stencil is written and tested.
+    Stencil,
     /// Input attachment: this pixel of an earlier stage's output.
     Read,
 }
@@ -37,7 +39,7 @@ pub enum Use {
 impl Use {
     /// Whether earlier content matters.
     pub const fn reads(self) -> bool {
-        matches!(self, Self::Blend | Self::DepthTest | Self::Read)
+        matches!(self, Self::Blend | Self::Read | Self::DepthTest | Self::Stencil)
     }
 
     /// Whether content changes.
@@ -72,8 +74,9 @@ impl Frame {
     /// The final image's index in `resources`.
     pub const OUTPUT: usize = 0;
 
-    /// The least number of stages and resources that give the picture on this path, which is not [`Path::Auto`].
-    pub fn new(needs: &Needs, options: &Options, path: Path) -> Self {
+    /// The least number of stages and resources that give the picture on this path and in this way, none of which is
+    /// `Auto`. The format is for depth where the way needs a stencil.
+    pub fn new(needs: &Needs, options: &Options, path: Path, way: LightWay, depth_stencil: Format) -> Self {
         let mut resources = vec![Resource {
             name: "output",
             format: options.output.into(),
@@ -95,15 +98,26 @@ impl Frame {
         };
         let mut stages = Vec::new();
         let mut depth_uses = Vec::new();
-        if needs.triangles > 1 {
+        let one_by_one = matches!(way, LightWay::Volumes | LightWay::Stencil);
+        let depth = (needs.triangles > 1 || one_by_one).then(|| {
+            let stencil = way == LightWay::Stencil;
             let target = Target {
-                name: "depth_test",
-                format: Format::D32Float,
-                holds: "reversed device depth, 0 is far",
-                used_bits: 32,
+                name: if stencil { "depth_stencil_test" } else { "depth_test" },
+                format: if stencil { depth_stencil } else { Format::D32Float },
+                holds: match stencil {
+                    true => "reversed device depth, 0 is far; stencil: surfaces in a light's volume",
+                    false => "reversed device depth, 0 is far",
+                },
+                used_bits: if stencil { depth_stencil.bits() } else { 32 },
                 clear: Some([0.0; 4]),
             };
-            let depth = add(&target, false, format!("{} triangles hide each other", needs.triangles));
+            let mut why = format!("{} triangles hide each other", needs.triangles);
+            if one_by_one {
+                why += "; a light's volume is tested against it";
+            }
+            add(&target, false, why)
+        });
+        if let Some(depth) = depth {
             if options.depth_prepass {
                 let why = "what is nearest is found first, so that no pixel is shaded twice".into();
                 stages.push(Stage { name: "depth", uses: vec![(depth, Use::Depth)], why });
@@ -131,16 +145,21 @@ impl Frame {
             (Some(lit), Path::Deferred) => lit,
             (lit, _) => {
                 // Nothing covers the whole image, so the output itself must be cleared.
-                resources[Self::OUTPUT].clear = Some([0.0, 0.0, 0.0, 1.0]);
+                let [red, green, blue] = needs.background.unwrap_or_default();
+                resources[Self::OUTPUT].clear = Some([red, green, blue, 1.0]);
+                let fogged = if needs.fog.is_some() { ", fogged" } else { "" };
                 let uses = std::iter::once((Self::OUTPUT, Use::Write)).chain(depth_uses).collect();
                 let (name, why) = match lit {
                     None => (
                         "geometry",
-                        "nothing in the scene is lit: surfaces are drawn and tone-mapped at once".into(),
+                        format!(
+                            "nothing in the scene is lit: surfaces are drawn{fogged} and tone-mapped at once"
+                        ),
                     ),
-                    Some(_) => {
-                        ("forward", format!("{}; surfaces are lit and tone-mapped as drawn", lights()))
-                    }
+                    Some(_) => (
+                        "forward",
+                        format!("{}; surfaces are lit{fogged} and tone-mapped as drawn", lights()),
+                    ),
                 };
                 stages.push(Stage { name, uses, why });
                 return Self { resources, stages, folded: true };
@@ -153,13 +172,22 @@ impl Frame {
             .iter()
             .map(|t| add(t, options.keep_gbuffer, format!("lighting reads it for lit surfaces ({lit})")))
             .collect();
-        let light_why = if needs.prelit.is_empty() {
-            "lighting and tonemap are kept apart on request".into()
-        } else {
-            needs.prelit.join(", ")
-        };
-        let folded = needs.prelit.is_empty() && options.fold;
+        let mut light_why = needs.prelit.clone();
+        light_why.extend(one_by_one.then(|| "lights are added one by one".into()));
+        if light_why.is_empty() {
+            light_why.push("lighting and tonemap are kept apart on request".into());
+        }
+        let light_why = light_why.join(", ");
+        let folded = needs.prelit.is_empty() && options.fold && !one_by_one;
         let light = (!folded).then(|| add(&table.light, options.keep_gbuffer, light_why));
+        if let Some(light) = light {
+            if needs.fog.is_some() {
+                resources[surface[Layout::DEPTH]].why += ", and tonemap for fog";
+            }
+            if needs.fog.is_some() || needs.background.is_some() {
+                resources[light].holds = "rgb: exposed light / range, a: 0 background, 1 surface";
+            }
+        }
 
         let written = surface.iter().chain(&light).map(|&r| (r, Use::Write));
         let geometry = Stage {
@@ -170,7 +198,9 @@ impl Frame {
                 if needs.kinds.len() == 1 { "1 kind".into() } else { format!("{} kinds", needs.kinds.len()) }
             ),
         };
-        let read = surface.iter().map(|&r| (r, Use::Read));
+        let test = if way == LightWay::Stencil { Use::Stencil } else { Use::DepthTest };
+        let test = depth.filter(|_| one_by_one).map(|depth| (depth, test));
+        let read = surface.iter().map(|&r| (r, Use::Read)).chain(test);
         let lighting = Stage {
             name: "lighting",
             uses: match light {
@@ -178,15 +208,24 @@ impl Frame {
                 None => std::iter::once((Self::OUTPUT, Use::Write)).chain(read).collect(),
             },
             why: format!(
-                "{}{}",
+                "{}{}{}",
                 lights(),
+                if one_by_one { ", each where its volume is" } else { "" },
                 if folded { "; applies the tone curve too, since no light is summed before it" } else { "" }
             ),
         };
         let tonemap = light.map(|light| Stage {
             name: "tonemap",
-            uses: vec![(Self::OUTPUT, Use::Write), (light, Use::Read)],
-            why: "light from several stages was summed".into(),
+            uses: [(Self::OUTPUT, Use::Write), (light, Use::Read)]
+                .into_iter()
+                .chain(needs.fog.map(|_| (surface[Layout::DEPTH], Use::Read)))
+                .collect(),
+            why: match needs.fog {
+                Some(_) => {
+                    "light from several stages was summed; fog goes by the depth of what sent it".into()
+                }
+                None => "light from several stages was summed".into(),
+            },
         });
         stages.extend([geometry, lighting].into_iter().chain(tonemap));
         Self { resources, stages, folded }

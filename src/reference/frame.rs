@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::around::{Around, Method};
+use super::fog::fogged;
 use super::gbuffer::{Attributes, attributes, interpolate};
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
 use super::shade::reflected;
@@ -11,7 +12,7 @@ use super::tonemap::tonemap;
 use super::view::{Ray, View};
 use super::visibility::{Hit, Visibility};
 use crate::plan::{Layout, Tonemap};
-use crate::scene::{Camera, Scene};
+use crate::scene::{Background, Camera, Scene};
 
 /// What is computed.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,11 +132,7 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
         };
         // Without a light target, light that is not reflected does not pass through any format.
         let prelit = if settings.light_layout().is_some() { surface.prelit } else { exact.prelit };
-        Pixel {
-            covered: true,
-            edge,
-            ..finish(scene, &view, settings, Attributes { prelit, ..surface }, prelit)
-        }
+        Pixel { edge, ..finish(scene, &view, settings, Attributes { prelit, ..surface }, prelit) }
     });
     Frame { size: settings.size, pixels: pixels.collect() }
 }
@@ -157,12 +154,12 @@ pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffe
         let pixel = [index as u32 % width, index as u32 / width];
         let light = if settings.light_target { stored.light } else { DVec3::ZERO };
         let surface = decode(layout, &Stored { light, ..*stored }, &view, pixel, light_factor);
-        Pixel { covered: stored.depth > 0.0, ..finish(scene, &view, settings, surface, surface.prelit) }
+        finish(scene, &view, settings, surface, surface.prelit)
     });
     Frame { size: settings.size, pixels: pixels.collect() }
 }
 
-/// Adds the lights' reflection to `prelit` and applies the curve.
+/// Adds the lights' reflection to `prelit`, then fog, and applies the curve.
 fn finish(scene: &Scene, view: &View, settings: &Settings, attributes: Attributes, prelit: DVec3) -> Pixel {
     let reflected = reflected(&attributes, view.to_viewer(attributes.position_world), scene);
     let linear = match settings.light_layout() {
@@ -173,7 +170,19 @@ fn finish(scene: &Scene, view: &View, settings: &Settings, attributes: Attribute
         }
         None => (prelit + reflected) * settings.exposure(),
     };
-    Pixel { linear, display: tonemap(settings.tonemap, linear), attributes, ..Pixel::default() }
+    let covered = attributes.depth > 0.0;
+    let linear = match &scene.fog {
+        Some(fog) if covered => {
+            let at = attributes.position_world;
+            fogged(fog, linear, settings.exposure(), view.ray_start(at), at)
+        }
+        _ => linear,
+    };
+    let display = match scene.background {
+        Background::Color(color) if !covered => color.as_dvec3(),
+        _ => tonemap(settings.tonemap, linear),
+    };
+    Pixel { covered, linear, display, attributes, ..Pixel::default() }
 }
 
 /// Hits on a regular grid, one pixel apart.

@@ -44,17 +44,11 @@ pub(super) struct Interpolated<'a> {
 
 pub(super) fn interpolate<'a>(visibility: &Visibility<'a>, hit: &Hit) -> Interpolated<'a> {
     let triangle = &visibility.triangles[hit.triangle as usize];
-    let placement = &visibility.placements[triangle.instance as usize];
     let scene = visibility.scene;
     let mesh = &scene.meshes[scene.instances[triangle.instance as usize].mesh];
-    let normal_world = if mesh.normals.is_empty() {
-        // As the front side sees it, whichever way the instance winds it.
-        visibility.plane_normal(hit) * if placement.mirrored { -1.0 } else { 1.0 }
-    } else {
-        weighted(hit, |k| {
-            let normal = mesh.normals[triangle.vertices[k] as usize].as_dvec3();
-            (placement.normal_world_from_object * normal).normalize_or_zero()
-        })
+    let normal_world = match corner_normals(visibility, hit.triangle) {
+        Some(normals) => weighted(hit, |k| normals[k]),
+        None => visibility.front_normal(hit),
     };
     let color = if mesh.colors.is_empty() {
         DVec4::ONE
@@ -63,6 +57,18 @@ pub(super) fn interpolate<'a>(visibility: &Visibility<'a>, hit: &Hit) -> Interpo
         corner(0) + corner(1) + corner(2)
     };
     Interpolated { mesh, material: &scene.materials[mesh.material], normal_world, color }
+}
+
+/// The vertex normals of a triangle in world space, unit length (or zero); `None` if its mesh has none.
+pub(super) fn corner_normals(visibility: &Visibility, triangle: u32) -> Option<[DVec3; 3]> {
+    let triangle = &visibility.triangles[triangle as usize];
+    let placement = &visibility.placements[triangle.instance as usize];
+    let mesh = &visibility.scene.meshes[visibility.scene.instances[triangle.instance as usize].mesh];
+    let normal = |vertex: u32| {
+        let normal = mesh.normals[vertex as usize].as_dvec3();
+        (placement.normal_world_from_object * normal).normalize_or_zero()
+    };
+    (!mesh.normals.is_empty()).then(|| triangle.vertices.map(normal))
 }
 
 fn weighted(hit: &Hit, corner: impl Fn(usize) -> DVec3) -> DVec3 {
@@ -78,6 +84,30 @@ pub(super) fn alpha(visibility: &Visibility, hit: &Hit) -> f64 {
 fn base_color(visibility: &Visibility, hit: &Hit, surface: &Interpolated) -> DVec4 {
     let texture = slot(visibility, hit, surface.mesh, &surface.material.base_color_texture, Encoding::Srgb);
     surface.material.base_color_factor.as_dvec4() * texture * surface.color
+}
+
+/// The part of arriving light that the surface reflects in all, to whichever directions: 0 where it is unlit.
+pub(super) fn diffuse_albedo(visibility: &Visibility, hit: &Hit) -> DVec3 {
+    let surface = interpolate(visibility, hit);
+    if surface.material.unlit {
+        return DVec3::ZERO;
+    }
+    // glTF allows vertex colours above 1, which no surface reflects.
+    base_color(visibility, hit, &surface).truncate().clamp(DVec3::ZERO, DVec3::ONE)
+}
+
+/// Radiance in cd/m² that the surface sends whatever arrives: emission, or an unlit material's base colour.
+pub(super) fn own_light(visibility: &Visibility, hit: &Hit) -> DVec3 {
+    let surface = interpolate(visibility, hit);
+    if surface.material.unlit {
+        return base_color(visibility, hit, &surface).truncate();
+    }
+    emission(visibility, hit, &surface)
+}
+
+fn emission(visibility: &Visibility, hit: &Hit, surface: &Interpolated) -> DVec3 {
+    let texel = slot(visibility, hit, surface.mesh, &surface.material.emissive_texture, Encoding::Srgb);
+    surface.material.emissive_factor.as_dvec3() * texel.truncate()
 }
 
 /// A texture slot's value at the hit; 1 in every channel for an empty slot.
@@ -147,8 +177,7 @@ pub fn attributes(
         metallic: f64::from(material.metallic_factor) * metallic_roughness.z,
         prelit: DVec3::ZERO,
     };
-    let emission =
-        material.emissive_factor.as_dvec3() * texel(&material.emissive_texture, Encoding::Srgb).truncate();
+    let emission = emission(visibility, hit, &surface);
     // glTF 2.0 section 3.9.3: 1 + strength * (sample - 1).
     let occlusion = texel(&material.occlusion_texture, Encoding::Linear).x;
     let occlusion = 1.0 + f64::from(material.occlusion_strength) * (occlusion - 1.0);

@@ -3,7 +3,8 @@
 //! Everything here is computed from [`scene`](crate::scene) and the choices in [`plan`](crate::plan), and from
 //! nothing that a GPU does: visibility by rays through pixel centres ([`visibility`]), surfaces by
 //! interpolation at the hit ([`gbuffer`]), light by the formulas of glTF 2.0 ([`brdf`], [`punctual`],
-//! [`around`], [`mod@shade`]), the display by the curve's own definition ([`mod@tonemap`]). Functions carry the
+//! [`around`], [`mod@shade`]), fog between it and the viewer ([`fog`]), the display by the curve's own definition
+//! ([`mod@tonemap`]). Functions carry the
 //! names of their counterparts in `glsl/`, and each term names its source, so that the two can be read side by
 //! side.
 //!
@@ -21,9 +22,12 @@ pub mod around;
 pub mod brdf;
 mod bvh;
 pub mod environment;
+pub mod fog;
 pub mod frame;
 pub mod gbuffer;
 pub mod globe;
+pub mod lightmap;
+pub mod path;
 pub mod punctual;
 pub mod quantise;
 pub mod shade;

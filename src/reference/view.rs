@@ -93,6 +93,17 @@ impl View {
         }
     }
 
+    /// Where the ray to a point in world space is at distance 0 along the view axis.
+    pub fn ray_start(&self, position_world: DVec3) -> DVec3 {
+        match self.projection {
+            Projection::Perspective { .. } => self.position_world,
+            Projection::Orthographic { .. } => {
+                let way = position_world - self.position_world;
+                position_world - self.forward_world * way.dot(self.forward_world)
+            }
+        }
+    }
+
     /// Reversed depth (1 near, 0 far) of a view distance in metres.
     pub fn depth_from_distance(&self, distance: f64) -> f64 {
         match self.projection {

@@ -5,7 +5,7 @@ use glam::{DMat3, DMat4, DVec3};
 use super::bvh::{Bounds, Bvh};
 use super::gbuffer;
 use super::view::Ray;
-use crate::scene::{AlphaMode, Scene};
+use crate::scene::{AlphaMode, Instance, Material, Scene};
 
 /// A scene's triangles in world space, ready for rays.
 pub struct Visibility<'a> {
@@ -55,10 +55,19 @@ impl<'a> Visibility<'a> {
     /// # Panics
     /// If an index within the scene is out of range.
     pub fn new(scene: &'a Scene) -> Self {
+        Self::of(scene, |_| true)
+    }
+
+    /// As [`Self::new`], with some of the instances only.
+    ///
+    /// # Panics
+    /// If an index within the scene is out of range.
+    pub fn of(scene: &'a Scene, wanted: impl Fn(&Instance) -> bool) -> Self {
         let placements: Vec<_> =
             scene.instances.iter().map(|i| Placement::new(i.world_from_object.as_dmat4())).collect();
         let mut triangles = Vec::with_capacity(scene.triangle_count());
-        for (index, (instance, placement)) in scene.instances.iter().zip(&placements).enumerate() {
+        let all = scene.instances.iter().zip(&placements).enumerate();
+        for (index, (instance, placement)) in all.filter(|(_, (instance, _))| wanted(instance)) {
             let mesh = &scene.meshes[instance.mesh];
             let material = &scene.materials[mesh.material];
             let alpha_cutoff = match material.alpha_mode {
@@ -87,10 +96,35 @@ impl<'a> Visibility<'a> {
     /// materials and masked-out places are passed through. Of equally near ones the first drawn wins, as with a
     /// strict depth test.
     pub fn trace(&self, ray: &Ray) -> Option<Hit> {
+        self.nearest(ray, |hit| self.is_drawn(hit))
+    }
+
+    /// As [`Self::trace`], but sides that are never drawn stop the ray too.
+    pub fn trace_solid(&self, ray: &Ray) -> Option<Hit> {
+        self.nearest(ray, |_| true)
+    }
+
+    /// Whether [`Self::trace_solid`] meets anything.
+    pub fn is_blocked(&self, ray: &Ray) -> bool {
+        let prepared = Sheared::new(ray);
+        let mut blocked = false;
+        self.bvh.traverse(ray, |item| {
+            blocked = blocked || self.candidate(&prepared, ray, item, |_| true).is_some();
+            if blocked { f64::NEG_INFINITY } else { ray.range[1] }
+        });
+        blocked
+    }
+
+    /// Whether the side of the surface that a ray met is drawn: fronts, and backs of double-sided materials.
+    pub fn is_drawn(&self, hit: &Hit) -> bool {
+        hit.front_facing || self.triangles[hit.triangle as usize].double_sided
+    }
+
+    fn nearest(&self, ray: &Ray, counts: impl Fn(&Hit) -> bool) -> Option<Hit> {
         let prepared = Sheared::new(ray);
         let mut nearest: Option<Hit> = None;
         self.bvh.traverse(ray, |item| {
-            if let Some(hit) = self.candidate(&prepared, ray, item)
+            if let Some(hit) = self.candidate(&prepared, ray, item, &counts)
                 && nearest.is_none_or(|n| (hit.distance, hit.triangle) < (n.distance, n.triangle))
             {
                 nearest = Some(hit);
@@ -100,22 +134,25 @@ impl<'a> Visibility<'a> {
         nearest
     }
 
-    /// The visible intersection of the ray with one triangle.
-    fn candidate(&self, prepared: &Sheared, ray: &Ray, index: u32) -> Option<Hit> {
+    /// The intersection of the ray with one triangle, if the triangle is solid there and the hit counts.
+    fn candidate(
+        &self,
+        prepared: &Sheared,
+        ray: &Ray,
+        index: u32,
+        counts: impl Fn(&Hit) -> bool,
+    ) -> Option<Hit> {
         let triangle = &self.triangles[index as usize];
         let crossing = prepared.intersect(&triangle.corners_world)?;
-        let front_facing = crossing.counter_clockwise != triangle.mirrored;
-        if !(ray.range[0]..=ray.range[1]).contains(&crossing.distance)
-            || !(front_facing || triangle.double_sided)
-        {
-            return None;
-        }
         let hit = Hit {
             distance: crossing.distance,
             triangle: index,
             barycentric: crossing.barycentric,
-            front_facing,
+            front_facing: crossing.counter_clockwise != triangle.mirrored,
         };
+        if !(ray.range[0]..=ray.range[1]).contains(&hit.distance) || !counts(&hit) {
+            return None;
+        }
         match triangle.alpha_cutoff {
             Some(cutoff) if gbuffer::alpha(self, &hit) < f64::from(cutoff) => None,
             _ => Some(hit),
@@ -147,6 +184,18 @@ impl<'a> Visibility<'a> {
     pub(super) fn plane_normal(&self, hit: &Hit) -> DVec3 {
         let [a, b, c] = self.triangles[hit.triangle as usize].corners_world;
         (b - a).cross(c - a).normalize_or_zero()
+    }
+
+    /// Unit normal of the hit triangle's plane on its front side, whichever way the instance winds it.
+    pub(super) fn front_normal(&self, hit: &Hit) -> DVec3 {
+        let mirrored = self.triangles[hit.triangle as usize].mirrored;
+        self.plane_normal(hit) * if mirrored { -1.0 } else { 1.0 }
+    }
+
+    /// The material of a triangle.
+    pub(super) fn material(&self, triangle: u32) -> &'a Material {
+        let instance = self.triangles[triangle as usize].instance as usize;
+        &self.scene.materials[self.scene.meshes[self.scene.instances[instance].mesh].material]
     }
 }
 
@@ -221,7 +270,7 @@ mod tests {
     use super::*;
     use crate::reference::testing::{camera_at, orthographic, perspective, scene_of, square};
     use crate::reference::view::View;
-    use crate::scene::{Material, Mesh};
+    use crate::scene::Mesh;
     use glam::{Mat4, Vec3, Vec4};
 
     /// A repeatable sequence in \[0, 1): Knuth's 64-bit linear congruential generator.

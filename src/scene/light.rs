@@ -31,6 +31,8 @@ pub struct Light {
     pub shadow: Option<Shadow>,
     /// Whether it may move or change from frame to frame: nothing of it is made ahead (lightmaps) or kept (shadow maps).
     pub dynamic: bool,
+    /// Its light is in the scene's [lightmap](super::Scene::lightmap): it shines no more on anything, lightmap or not.
+    pub baked: bool,
     /// Lights of higher priority are kept where there are too many ([`Scene::keep_lights`](super::Scene::keep_lights)).
     pub priority: f32,
 }
@@ -143,6 +145,7 @@ impl Light {
             globe_map: None,
             shadow: None,
             dynamic: false,
+            baked: false,
             priority: 0.0,
         }
     }
@@ -189,9 +192,14 @@ impl Light {
         }
     }
 
-    /// Whether it adds nothing anywhere: no colour, no intensity, no range, an extent of less than a micrometre, or
-    /// numbers that mean nothing (see [`Self::is_sound`]). Such lights are left out of everything.
+    /// Whether it adds nothing anywhere: its light is baked, or it has no colour, no intensity, no range, an extent of less
+    /// than a micrometre, or numbers that mean nothing (see [`Self::is_sound`]). Such lights are left out of everything.
     pub fn is_dark(&self) -> bool {
+        self.baked || !self.shines()
+    }
+
+    /// Whether it sends light, baked or not.
+    pub(crate) fn shines(&self) -> bool {
         const LEAST_SIZE_M: f32 = 1e-6;
         let colors = if self.has_back() { self.color.max(self.back_color) } else { self.color };
         let reaches = match self.kind {
@@ -200,7 +208,7 @@ impl Light {
             LightKind::Box { size_m, .. } => size_m.min_element() >= LEAST_SIZE_M,
         };
         let shines = (colors * self.intensity()).max_element() > 0.0;
-        !(shines && reaches && self.is_sound())
+        shines && reaches && self.is_sound()
     }
 
     /// Whether all numbers are finite, and colours, intensity, range, extent and falloff not negative.

@@ -2,6 +2,8 @@
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
+use super::LightmapRect;
+
 /// Indexed triangles in object space with one material.
 ///
 /// Every attribute list is either empty (absent) or as long as `positions`.
@@ -45,12 +47,14 @@ pub struct Instance {
     /// Whether it will move: nothing that depends on its place is kept from frame to frame. What is not dynamic may be
     /// moved too, but then all that was kept (static shadow maps) is made anew.
     pub dynamic: bool,
+    /// Its part of the scene's lightmap, if it has one; the mesh then has TEXCOORD_1.
+    pub lightmap: Option<LightmapRect>,
 }
 
 impl Instance {
     /// One that stays where it is.
     pub fn new(mesh: usize, world_from_object: Mat4) -> Self {
-        Self { mesh, world_from_object, dynamic: false }
+        Self { mesh, world_from_object, dynamic: false, lightmap: None }
     }
 
     /// Whether the transform turns the triangles' winding round.

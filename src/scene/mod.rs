@@ -9,17 +9,22 @@ mod environment;
 mod globe_layers;
 mod gltf;
 mod light;
+mod lightmap;
 mod material;
 mod mesh;
 mod mipmaps;
+mod surroundings;
 
 pub use camera::{Camera, Projection};
 pub use environment::Environment;
 pub use globe_layers::GlobeLayers;
+pub(crate) use gltf::edit;
 pub use light::{GlobeMap, GlobePicture, Light, LightKind, Shadow};
+pub use lightmap::{Lightmap, LightmapRect};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
 pub use mipmaps::{MipLevel, mip_level_count, mipmaps};
+pub use surroundings::{Background, Fog, FogHeight};
 
 use glam::Vec3;
 
@@ -47,6 +52,15 @@ pub struct Scene {
     pub has_default_lights: bool,
     /// Radiance that arrives from every direction alike, in cd/m², linear Rec.709. Zero means none.
     pub ambient_nt: Vec3,
+    /// Diffuse light that was computed ahead for the surfaces of instances that have a part of it.
+    ///
+    /// It is all the diffuse light that static things bring, so these surfaces get no other diffuse light of `ambient_nt` and
+    /// the environment (their specular light stays), and [baked](Light::baked) lights shine no more.
+    pub lightmap: Option<Lightmap>,
+    /// What is seen where there is no surface.
+    pub background: Background,
+    /// Between the surfaces and the viewer.
+    pub fog: Option<Fog>,
     /// Radiance from far away, in addition to `ambient_nt`.
     pub environment: Option<Environment>,
     /// View points. [`Scene::load`] always gives at least one.

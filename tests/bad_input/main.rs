@@ -1,6 +1,7 @@
 //! Broken glTF files: a clear error for each kind, and never a panic.
 
 mod accessors;
+mod environments;
 mod extras;
 mod files;
 #[path = "../common/gltf_build.rs"]

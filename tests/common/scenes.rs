@@ -3,8 +3,8 @@
 use ontile::environment::{Panorama, Prefiltered, TexelFormat, direction_from_uv};
 use ontile::glam::{Mat4, Vec2, Vec3, Vec4, camera::rh::view::look_at_mat4};
 use ontile::scene::{
-    AlphaMode, Camera, Environment, GlobeMap, GlobePicture, Image, Instance, Light, LightKind, Material,
-    Mesh, Projection, Sampler, Scene, Texture, TextureRef,
+    AlphaMode, Background, Camera, Environment, Fog, FogHeight, GlobeMap, GlobePicture, Image, Instance,
+    Light, LightKind, Material, Mesh, Projection, Sampler, Scene, Texture, TextureRef,
 };
 use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
@@ -73,6 +73,9 @@ pub fn built() -> Vec<Scene> {
         one_empty_mesh(),
         dark_lights(),
         inside(),
+        foggy(),
+        foggy_lights(),
+        foggy_unlit(),
         environment(),
         environment_alone(),
     ]
@@ -335,6 +338,28 @@ pub fn inside() -> Scene {
     add(&mut scene, sphere(), shell, &[Mat4::from_translation(eye)]);
     scene.lights[1].position_world = eye;
     scene
+}
+
+/// [`every_feature`] in a layer of fog, before a colour.
+pub fn foggy() -> Scene {
+    in_fog("foggy", every_feature())
+}
+
+/// [`lights_only`], where the lighting stage writes the picture, likewise.
+pub fn foggy_lights() -> Scene {
+    in_fog("foggy_lights", lights_only())
+}
+
+/// [`wholly_unlit`] likewise.
+pub fn foggy_unlit() -> Scene {
+    in_fog("foggy_unlit", wholly_unlit())
+}
+
+fn in_fog(name: &str, scene: Scene) -> Scene {
+    let height = Some(FogHeight { base_m: 0.2, scale_m: 0.7 });
+    let fog = Fog { color_nt: Vec3::new(0.3, 0.4, 0.5), density_per_m: 0.3, height };
+    let background = Background::Color(Vec3::new(0.05, 0.2, 0.6));
+    Scene { name: name.into(), fog: Some(fog), background, ..scene }
 }
 
 fn camera() -> Camera {

@@ -1,6 +1,7 @@
 //! Scenes out of glTF files: one test for each thing that a file can say.
 
 mod defaults;
+mod environments;
 #[path = "../common/gltf_build.rs"]
 #[allow(dead_code, reason = "each test file uses some of this")]
 mod gltf_build;

@@ -146,3 +146,32 @@ fn the_cost_of_looking_up_is_known() {
         assert!(db > LEAST_DB, "{format}: {db}");
     }
 }
+
+/// A mirror shows where things are: a red spot towards -X lies on the left half, as the picture's right half does, and turns
+/// with the environment towards +Z.
+#[test]
+fn an_environment_lies_where_it_is_said_to() {
+    let Some(gpu) = Gpu::open() else { return };
+    let spot = |i: u32| {
+        let d = direction_from_uv([(f64::from(i % 64) + 0.5) / 64.0, (f64::from(i / 64) + 0.5) / 32.0]);
+        // Three quarters of the width, at half the height.
+        if d.dot(DVec3::NEG_X) > 0.95 { Vec3::X } else { Vec3::new(0.0, 0.0, 0.1) }
+    };
+    let panorama = Panorama::new(64, 32, (0..64 * 32).map(spot).collect()).expect("a panorama");
+    assert_eq!(panorama.texels()[16 * 64 + 48], Vec3::X);
+    let scene = scenes::mirror();
+    let mut found = Vec::new();
+    for rotation_deg in [0.0, 90.0, 180.0] {
+        let mut scene = under_sky(scene.clone(), &panorama, TexelFormat::Rgba16F);
+        environment(&mut scene).rotation_deg = rotation_deg;
+        let light = gpu.render(&scene, &scene.cameras[0], Ask::EXACT).light();
+        // Columns where the ball's normal is halfway between the viewer and -X, the viewer, and +X.
+        let [width, height] = crate::SIZE.map(|n| n as usize);
+        let half_ball = height / 2;
+        let offset = (half_ball as f64 * std::f64::consts::FRAC_1_SQRT_2) as usize;
+        let red = |x: usize| light[height / 2 * width + x].x > 0.4;
+        found.push([red(width / 2 - offset), red(width / 2), red(width / 2 + offset)]);
+    }
+    gpu.finish();
+    assert_eq!(found, [[true, false, false], [false, true, false], [false, false, true]]);
+}

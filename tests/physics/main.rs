@@ -14,6 +14,7 @@ mod gpu;
 mod light_scenes;
 mod quantised;
 mod scenes;
+mod surroundings;
 mod textured;
 
 /// Sixteen to nine, large enough for highlights and cones, small enough for a software rasteriser.

@@ -323,6 +323,15 @@ pub fn surfaces() -> Scene {
     scene
 }
 
+/// A ball of polished silver that fills the height, seen in parallel from +Z.
+pub fn mirror() -> Scene {
+    let projection = Projection::Orthographic { xmag_m: 1.0, ymag_m: 1.0, znear_m: 0.5, zfar_m: 20.0 };
+    let camera = camera("front", Vec3::Z * 5.0, Vec3::ZERO, projection);
+    Builder::new("mirror", vec![camera], Vec::new())
+        .add(sphere(), material(Vec3::ONE, 1.0, 0.0), Mat4::IDENTITY)
+        .0
+}
+
 /// A low eye and a low sun over a long floor.
 pub fn grazing() -> Scene {
     use LightKind::{Directional, Point};

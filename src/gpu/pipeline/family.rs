@@ -35,20 +35,22 @@ const GLOBE_MAPS: u32 = shared("BINDING_GLOBE_MAPS");
 const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
 const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
+const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 9] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
         (FRAME, T::UNIFORM_BUFFER, both),
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
-        (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (LIGHTS, T::STORAGE_BUFFER, both),
         (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
         (GLOBE_MAPS, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
 
@@ -58,11 +60,13 @@ impl Family {
         let frame: &[u32] = match pipeline {
             Pipeline::Depth(_) | Pipeline::Surface(_) => &[FRAME, INSTANCES],
             Pipeline::Lighting | Pipeline::Tonemap => &[FRAME],
+            Pipeline::LightMask(_) => &[FRAME, LIGHTS, VOLUMES],
+            Pipeline::LightVolume(_) => &[FRAME, VOLUMES],
         };
         let lit = match pipeline {
             Pipeline::Surface(kind) => !kind.unlit && !plan.has_gbuffer(),
-            Pipeline::Lighting => true,
-            Pipeline::Depth(_) | Pipeline::Tonemap => false,
+            Pipeline::Lighting | Pipeline::LightVolume(_) => true,
+            Pipeline::Depth(_) | Pipeline::LightMask(_) | Pipeline::Tonemap => false,
         };
         let lights =
             [(true, LIGHTS), (plan.clusters.is_some(), CLUSTERS), (plan.needs.globe_maps > 0, GLOBE_MAPS)];
@@ -73,14 +77,15 @@ impl Family {
                 Around::Ambient => &[SPLIT_SUM],
                 Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
             },
-            Pipeline::Depth(_) | Pipeline::Lighting | Pipeline::Tonemap => &[],
+            _ => &[],
         };
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
+            Pipeline::LightMask(_) => SecondSet::Nothing,
             Pipeline::Surface(kind) | Pipeline::Depth(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
-            Pipeline::Lighting | Pipeline::Tonemap => {
+            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };

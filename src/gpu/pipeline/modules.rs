@@ -1,15 +1,22 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightInputs, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
+    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, Specialization,
+    TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{Pipeline, Plan, SurfaceKind};
+use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
 
-/// Vertex and fragment shader of a pipeline, and what the latter is specialised with; solid depth has no fragment shader.
+/// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
+/// are specialised with.
 pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
     let layout = plan.options.layout;
-    let output = OutputConstants { tonemap: plan.options.tonemap, dither: plan.options.dither };
+    let output = OutputConstants {
+        tonemap: plan.options.tonemap,
+        dither: plan.options.dither,
+        background: plan.needs.background,
+        fog: plan.needs.fog,
+    };
     let lighting = LightingConstants {
         has_directional: plan.needs.directional_lights > 0,
         has_point: plan.needs.point_lights > 0,
@@ -19,7 +26,9 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         has_back: plan.needs.back_colors > 0,
         fold: plan.folded.then_some(output),
     };
-    let lights = LightInputs { clusters: plan.clusters.is_some(), globe_maps: plan.needs.globe_maps > 0 };
+    let lights = |which| LightInputs { which, globe_maps: plan.needs.globe_maps > 0 };
+    let which = if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All };
+    let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
     let (vertex, fragment, constants) = match pipeline {
         Pipeline::Depth(kind) => {
             let textured = kind.textures != 0;
@@ -44,16 +53,36 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
                 let around = kind.around;
-                let module = Module::Forward { textured, lights, around };
+                let module = Module::Forward { textured, lights: lights(which), around };
                 (vertex, module, constants.and(lighting.specialization()))
             }
         }
         Pipeline::Lighting => {
-            (Module::Fullscreen, Module::Lighting { layout, lights }, lighting.specialization())
+            let lighting = if one_by_one { lighting.only_global() } else { lighting };
+            let module = Module::Lighting { layout, lights: lights(which) };
+            (Module::Fullscreen, module, lighting.specialization())
         }
-        Pipeline::Tonemap => (Module::Fullscreen, Module::Tonemap, output.specialization()),
+        Pipeline::LightMask(shape) => return (Module::LightVolume, None, shape_constant(*shape)),
+        Pipeline::LightVolume(shape) => {
+            let module = Module::Lighting { layout, lights: lights(LightLoop::One) };
+            let constants = lighting.only_local().specialization().and(shape_constant(*shape));
+            (Module::LightVolume, module, constants)
+        }
+        Pipeline::Tonemap => {
+            let fog = plan.needs.fog.is_some();
+            (Module::Fullscreen, Module::Tonemap { fog }, output.specialization())
+        }
     };
     (vertex, Some(fragment), constants)
+}
+
+fn shape_constant(shape: VolumeShape) -> Specialization {
+    Specialization::volume(match shape {
+        VolumeShape::Screen => const { shared("VOLUME_SCREEN") },
+        VolumeShape::Sphere => const { shared("VOLUME_SPHERE") },
+        VolumeShape::Cone => const { shared("VOLUME_CONE") },
+        VolumeShape::Box => const { shared("VOLUME_BOX") },
+    })
 }
 
 fn vertex_module(kind: &SurfaceKind) -> Module {

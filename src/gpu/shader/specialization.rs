@@ -1,11 +1,14 @@
 //! Specialisation constants: what a pipeline knows when it is compiled.
 
+use glam::Vec3;
+
 use super::{KIND_COUNT, shared};
 use crate::plan::Tonemap;
+use crate::scene::Fog;
 
 /// Values for specialisation constants: `data[i]` is that of constant `ids[i]`.
 ///
-/// Every constant is 32 bits wide (a bool is 0 or 1), so the i-th begins at byte `4 * i` of `data`. Ids that a
+/// Every constant is 32 bits wide (a bool is 0 or 1, a float its bits), so the i-th begins at byte `4 * i` of `data`. Ids that a
 /// module does not have are without effect.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Specialization {
@@ -21,6 +24,11 @@ impl Specialization {
         self.ids.extend(other.ids);
         self.data.extend(other.data);
         self
+    }
+
+    /// The constant of [`super::Module::LightVolume`]: one of the numbers `VOLUME_*` of `glsl/shared.h`.
+    pub fn volume(shape: u32) -> Self {
+        Self::from_pairs(&[(const { shared("ID_VOLUME_SHAPE") }, shape)])
     }
 
     fn from_pairs(pairs: &[(u32, u32)]) -> Self {
@@ -99,7 +107,7 @@ impl GeometryConstants {
 }
 
 /// Constants of [`super::Module::Lighting`] and [`super::Module::Forward`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LightingConstants {
     /// The scene has directional lights.
     pub has_directional: bool,
@@ -118,6 +126,16 @@ pub struct LightingConstants {
 }
 
 impl LightingConstants {
+    /// For lights that shine everywhere alone.
+    pub fn only_global(self) -> Self {
+        Self { has_point: false, has_spot: false, has_box: false, ..self }
+    }
+
+    /// For lights that have a place alone.
+    pub fn only_local(self) -> Self {
+        Self { has_directional: false, has_hemisphere: false, ..self }
+    }
+
     /// As ids and values.
     pub fn specialization(&self) -> Specialization {
         let lights = Specialization::from_pairs(&[
@@ -138,12 +156,16 @@ impl LightingConstants {
 
 /// Constants of the modules that write the output: [`super::Module::Tonemap`], [`super::Module::Unlit`],
 /// [`super::Module::Forward`] and folded [`super::Module::Lighting`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutputConstants {
     /// Tone curve.
     pub tonemap: Tonemap,
     /// Ordered noise of half an 8-bit sRGB step either way; it also clamps to [0, 1], so it is for such outputs only.
     pub dither: bool,
+    /// A colour where no surface is, as linear display light.
+    pub background: Option<[f32; 3]>,
+    /// Fog before surfaces.
+    pub fog: Option<Fog>,
 }
 
 impl OutputConstants {
@@ -155,9 +177,23 @@ impl OutputConstants {
             Tonemap::Reinhard => const { shared("TONEMAP_REINHARD") },
             Tonemap::Linear => const { shared("TONEMAP_LINEAR") },
         };
+        let [red, green, blue] = self.background.unwrap_or_default().map(f32::to_bits);
+        let fog = self.fog.unwrap_or(Fog { color_nt: Vec3::ZERO, density_per_m: 0.0, height: None });
+        let (base_m, inverse_height) = fog.height.map_or((0.0, 0.0), |h| (h.base_m, h.scale_m.recip()));
         Specialization::from_pairs(&[
             (const { shared("ID_TONEMAP") }, tonemap),
             (const { shared("ID_DITHER") }, self.dither.into()),
+            (const { shared("ID_BACKGROUND") }, self.background.is_some().into()),
+            (const { shared("ID_BACKGROUND_RED") }, red),
+            (const { shared("ID_BACKGROUND_GREEN") }, green),
+            (const { shared("ID_BACKGROUND_BLUE") }, blue),
+            (const { shared("ID_FOG") }, self.fog.is_some().into()),
+            (const { shared("ID_FOG_RED") }, fog.color_nt.x.to_bits()),
+            (const { shared("ID_FOG_GREEN") }, fog.color_nt.y.to_bits()),
+            (const { shared("ID_FOG_BLUE") }, fog.color_nt.z.to_bits()),
+            (const { shared("ID_FOG_DENSITY") }, fog.density_per_m.to_bits()),
+            (const { shared("ID_FOG_BASE") }, base_m.to_bits()),
+            (const { shared("ID_FOG_INVERSE_HEIGHT") }, inverse_height.to_bits()),
         ])
     }
 }

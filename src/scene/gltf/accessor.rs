@@ -1,5 +1,7 @@
 //! Typed data out of accessors, every byte range checked before it is read.
 
+use std::collections::HashMap;
+
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::{self, Index};
 
@@ -21,6 +23,7 @@ pub struct Format {
 
 #[derive(Clone, Copy, PartialEq)]
 enum Components {
+    Any,
     Float,
     /// With KHR_mesh_quantization also bytes and shorts of any kind.
     FloatOrQuantized,
@@ -57,6 +60,11 @@ impl Format {
         components: Components::Unsigned8Or16,
         text: "a VEC4 of unsigned bytes or shorts",
     };
+    pub const ANY: Self = Self {
+        types: &[Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4, Type::Mat2, Type::Mat3, Type::Mat4],
+        components: Components::Any,
+        text: "an accessor",
+    };
     pub const INDICES: Self = Self {
         types: &[Type::Scalar],
         components: Components::Unsigned,
@@ -70,6 +78,7 @@ impl Format {
         let small = quantized && matches!(component, C::I8 | C::U8 | C::I16 | C::U16);
         self.types.contains(&type_)
             && match self.components {
+                Components::Any => true,
                 Components::Float => component == C::F32,
                 Components::FloatOrQuantized => component == C::F32 || small,
                 Components::FloatOrNormalized => float_or_normalized,
@@ -178,6 +187,24 @@ impl<'a> Reader<'a> {
             let mut chunks = bytes.chunks_exact(component.size()).map(unsigned);
             std::array::from_fn(|_| chunks.next().unwrap_or(0))
         })
+    }
+
+    /// The bytes of these elements, each at the next multiple of four as vertex attributes must be; and how far apart they
+    /// are.
+    pub fn rows(&self, elements: &[u32]) -> (Vec<u8>, usize) {
+        let size = self.width * self.component.size();
+        let stride = size.next_multiple_of(4);
+        let replaced: HashMap<u32, usize> =
+            self.sparse.iter().flat_map(|(indices, _)| indices).zip(0..).map(|(&i, at)| (i, at)).collect();
+        let mut bytes = vec![0; elements.len() * stride];
+        for (row, &element) in bytes.chunks_exact_mut(stride).zip(elements) {
+            match (&self.sparse, replaced.get(&element), &self.base) {
+                (Some((_, values)), Some(&at), _) => row[..size].copy_from_slice(values.element(at)),
+                (_, _, Some(base)) => row[..size].copy_from_slice(base.element(element as usize)),
+                _ => {}
+            }
+        }
+        (bytes, stride)
     }
 
     fn collect<T: Copy>(&self, zero: T, decode: impl Fn(&[u8]) -> T) -> Vec<T> {

@@ -118,7 +118,11 @@ impl<'a> Document<'a> {
     }
 
     pub fn read(path: &'a Path) -> Result<Self> {
-        let source::Container { json, bin } = source::read_container(path)?;
+        Self::new(path, source::read_container(path)?)
+    }
+
+    /// A document of this content; `path` is for messages and for files beside it.
+    pub fn new(path: &'a Path, source::Container { json, bin }: source::Container) -> Result<Self> {
         check_head(path, &json)?;
         let root: Root = serde_json::from_slice(&json).map_err(|e| locate(path, &json, &e))?;
         let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();

@@ -46,7 +46,8 @@ fn undecodable(doc: &Document, index: usize, problem: String) -> crate::Error {
     doc.bad(format!("images[{index}]"), problem, remedy)
 }
 
-fn encoded_bytes<'a>(doc: &'a Document, index: usize) -> Result<Cow<'a, [u8]>> {
+/// The image file, from wherever it is.
+pub fn encoded_bytes<'a>(doc: &'a Document, index: usize) -> Result<Cow<'a, [u8]>> {
     let image = &doc.root.images[index];
     match (&image.uri, image.buffer_view) {
         (Some(uri), _) => {

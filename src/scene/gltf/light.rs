@@ -4,6 +4,7 @@
 //! |---|---|---|---|
 //! | `shadow` | all but hemispheres | `true`, `false`, or `{"spread_texels": number, "bias_texels": number}` ([`Shadow`]) | `true` |
 //! | `dynamic` | all | `true` or `false` ([`Light::dynamic`]) | `false` |
+//! | `baked` | all | `true` or `false` ([`Light::baked`]) | `false` |
 //! | `priority` | all | number ([`Light::priority`]) | 0 |
 //! | `back_color` | directional | `[r, g, b]`, linear: a second light from behind ([`Light::back_color`]) | none |
 //! | `ground_color` | directional | `[r, g, b]`, linear: makes it a hemisphere ([`LightKind::Hemisphere`]) | none |
@@ -18,7 +19,7 @@ use glam::{DVec3, Vec3};
 use gltf::json::extensions::scene::khr_lights_punctual as punctual;
 
 use super::document::Document;
-use super::extras::{Extra, Extras};
+use super::extras::{Extra, Extras, OF_NODES};
 use super::material::Materials;
 use super::node::NodeTree;
 use crate::Result;
@@ -27,7 +28,12 @@ use crate::scene::{GlobeMap, GlobePicture, Light, LightKind, Shadow};
 
 const LIST: &str = "extensions.KHR_lights_punctual.lights";
 
-const KNOWN: [&str; 7] = ["shadow", "dynamic", "priority", "back_color", "ground_color", "box", "globe_map"];
+/// The drawn nodes that have a light, in the order of [`read_lights`].
+pub fn nodes<'a>(doc: &'a Document, tree: &'a NodeTree) -> impl Iterator<Item = usize> + 'a {
+    let has_light =
+        |i: &&usize| doc.root.nodes[**i].extensions.as_ref().is_some_and(|e| e.khr_lights_punctual.is_some());
+    tree.drawn.iter().filter(has_light).copied()
+}
 
 /// The lights of the drawn nodes.
 pub fn read_lights(doc: &Document, tree: &NodeTree, materials: &mut Materials) -> Result<Vec<Light>> {
@@ -44,7 +50,7 @@ pub fn read_lights(doc: &Document, tree: &NodeTree, materials: &mut Materials) -
             doc.get(defined, LIST, index, format!("nodes[{i}].extensions.KHR_lights_punctual.light"))?;
         let elements =
             [(&json.extras, format!("{LIST}[{}]", index.value())), (&node.extras, format!("nodes[{i}]"))];
-        let extras = Extras::read(doc, &elements, &KNOWN)?;
+        let extras = Extras::read(doc, &elements, &OF_NODES)?;
         let kind = with_extent(light_kind(doc, json, index.value())?, &extras)?;
         let world = &tree.world_from_node[i];
         let direction = -world.z_axis.truncate();
@@ -69,6 +75,7 @@ pub fn read_lights(doc: &Document, tree: &NodeTree, materials: &mut Materials) -
             globe_map: globe_map(kind, &extras, materials)?,
             shadow: shadow(kind, &extras)?,
             dynamic: extras.get("dynamic").map_or(Ok(false), Extra::bool)?,
+            baked: extras.get("baked").map_or(Ok(false), Extra::bool)?,
             priority: extras.number_or("priority", 0.0, "", |_| true)?,
             ..Light::new(kind)
         };

@@ -44,6 +44,8 @@ pub struct Primitive<'a> {
     pub name: String,
     /// `meshes[i].primitives[j]`
     pub element: String,
+    /// A node that draws it has a part of the lightmap.
+    pub lightmapped: bool,
 }
 
 impl Primitive<'_> {
@@ -134,6 +136,18 @@ impl Primitive<'_> {
         Ok(())
     }
 
+    /// The elements of an attribute; empty if the primitive has none.
+    pub fn floats<const N: usize>(
+        &self,
+        doc: &Document,
+        semantic: Semantic,
+        format: Format,
+    ) -> Result<Vec<[f32; N]>> {
+        let name = semantic.to_string();
+        let Some(index) = self.accessor(semantic) else { return Ok(Vec::new()) };
+        Reader::new(doc, index, format!("{}.attributes.{name}", self.element), format)?.floats(doc)
+    }
+
     fn accessor(&self, semantic: Semantic) -> Option<json::Index<json::Accessor>> {
         self.json.attributes.get(&Checked::Valid(semantic)).copied()
     }
@@ -193,9 +207,8 @@ impl Primitive<'_> {
             let Some(index) = self.accessor(semantic) else { return Ok(None) };
             Reader::new(doc, index, format!("{}.attributes.{name}", self.element), format).map(Some)
         };
-        let floats3 = |semantic, format| match reader(semantic, format)? {
-            Some(r) => r.floats::<3>(doc).map(|list| list.into_iter().map(Vec3::from_array).collect()),
-            None => Ok(Vec::new()),
+        let floats3 = |semantic, format| -> Result<Vec<Vec3>> {
+            Ok(self.floats::<3>(doc, semantic, format)?.into_iter().map(Vec3::from_array).collect())
         };
         let mut mesh = Mesh { name: self.name.clone(), ..Mesh::default() };
         mesh.positions = floats3(Semantic::Positions, Format::VEC3)?;
@@ -203,17 +216,15 @@ impl Primitive<'_> {
             mesh.normals = floats3(Semantic::Normals, Format::VEC3)?;
         }
         // Without normals, given tangents are to be ignored.
-        if material.normal_texture.is_some()
-            && !mesh.normals.is_empty()
-            && let Some(r) = reader(Semantic::Tangents, Format::VEC4)?
-        {
-            mesh.tangents = r.floats::<4>(doc)?.into_iter().map(Vec4::from_array).collect();
+        if material.normal_texture.is_some() && !mesh.normals.is_empty() {
+            let tangents = self.floats::<4>(doc, Semantic::Tangents, Format::VEC4)?;
+            mesh.tangents = tangents.into_iter().map(Vec4::from_array).collect();
         }
         for (set, texcoords) in mesh.texcoords.iter_mut().enumerate() {
-            if material.uses_texcoord(set)
-                && let Some(r) = reader(Semantic::TexCoords(set as u32), Format::TEXCOORD)?
-            {
-                *texcoords = r.floats::<2>(doc)?.into_iter().map(Vec2::from_array).collect();
+            let by_lightmap = set == 1 && self.lightmapped && !material.unlit;
+            if by_lightmap || material.uses_texcoord(set) {
+                let found = self.floats::<2>(doc, Semantic::TexCoords(set as u32), Format::TEXCOORD)?;
+                *texcoords = found.into_iter().map(Vec2::from_array).collect();
             }
         }
         if let Some(r) = reader(Semantic::Colors(0), Format::COLOR)? {
@@ -227,7 +238,7 @@ impl Primitive<'_> {
 }
 
 impl Material {
-    fn uses_texcoord(&self, set: usize) -> bool {
+    pub(super) fn uses_texcoord(&self, set: usize) -> bool {
         let slots = [
             &self.base_color_texture,
             &self.metallic_roughness_texture,

@@ -1,12 +1,14 @@
 //! glTF 2.0 files into a [`Scene`](super::Scene).
 //!
 //! Data flows one way: `source` gives bytes, `document` parsed JSON and checked byte ranges, `accessor` typed
-//! lists, and `node`, `light`, `material`, `mesh` and `image` what the scene holds. Nothing in a file is trusted: every
+//! lists, and `node`, `material`, `mesh` and `image` what the scene holds. Nothing in a file is trusted: every
 //! index, range and number is checked before it is used.
 
 mod accessor;
+mod around;
 mod defaults;
 mod document;
+pub(crate) mod edit;
 mod environment;
 mod extras;
 mod image;
@@ -18,14 +20,15 @@ mod pose;
 mod source;
 mod tangent;
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use glam::{DMat3, Mat4};
 
-use super::{Aabb, Instance, Mesh, Scene};
+use super::{Aabb, Instance, LightmapRect, Mesh, Scene};
 use crate::Result;
+use around::NodeLightmap;
 use document::{Document, MAX_INSTANCES};
 use material::Materials;
 use mesh::{Budget, Pose, Primitive};
@@ -61,46 +64,59 @@ impl Scene {
     /// [`crate::Error::Io`] if `path` cannot be read. [`crate::Error::Input`] for anything in it that breaks
     /// the rules of glTF 2.0, needs an unsupported extension, or refers to data that is missing or broken.
     pub fn load(path: &Path) -> Result<Self> {
-        let doc = Document::read(path)?;
-        let tree = NodeTree::read(&doc)?;
-        let name = path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy().into_owned());
-        let mut scene = Self { name, warnings: doc.extension_warnings(), ..Self::default() };
-
-        let mut materials = Materials::default();
-        read_meshes(&doc, &tree, &mut scene, &mut materials)?;
-        scene.lights = light::read_lights(&doc, &tree, &mut materials)?;
-        scene.images = image::decode_all(&doc, &materials.images)?;
-        scene.materials = materials.materials;
-        scene.textures = materials.textures;
-        scene.warnings.append(&mut materials.warnings);
-
-        for instance in &scene.instances {
-            let bounds =
-                scene.meshes[instance.mesh].bounds().map(|b| b.transformed(&instance.world_from_object));
-            if let Some(Aabb { min, max }) = bounds.filter(|b| !is_representable(b)) {
-                let mesh = &scene.meshes[instance.mesh].name;
-                let problem =
-                    format!("mesh '{mesh}' reaches from {min} to {max}, beyond {MAX_COORDINATE_M:e} m");
-                return Err(doc.bad("nodes", problem, "scale the scene down"));
-            }
-        }
-        let bounds = scene.bounds_world();
-        if bounds.is_none() {
-            scene.warnings.push("scene: it has no triangles, so nothing is drawn".into());
-        }
-        scene.cameras = node::read_cameras(&doc, &tree)?;
-        if scene.cameras.is_empty() {
-            scene.cameras.push(defaults::camera(bounds));
-        }
-        scene.environment = environment::read_environment(&doc)?;
-        let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
-        if scene.lights.is_empty() && scene.environment.is_none() && is_lit {
-            scene.lights = defaults::lights(&scene.cameras[0]);
-            scene.has_default_lights = true;
-            scene.warnings.push(DEFAULT_LIGHTS.into());
+        let mut scene = load(&Document::read(path)?)?;
+        if scene.lightmap.is_none() && scene.instances.iter().any(|i| i.lightmap.is_some()) {
+            let ignored =
+                "nodes: some have a part of a lightmap, but the file has none; they are lit without";
+            scene.warnings.push(ignored.into());
         }
         Ok(scene)
     }
+}
+
+/// What [`Scene::load`] does once the file is read.
+fn load(doc: &Document) -> Result<Scene> {
+    let tree = NodeTree::read(doc)?;
+    let name = doc.path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy().into_owned());
+    let mut scene = Scene { name, warnings: doc.extension_warnings(), ..Scene::default() };
+
+    let mut materials = Materials::default();
+    read_meshes(doc, &tree, &mut scene, &mut materials)?;
+    scene.lights = light::read_lights(doc, &tree, &mut materials)?;
+    scene.images = image::decode_all(doc, &materials.images)?;
+    scene.materials = materials.materials;
+    scene.textures = materials.textures;
+    scene.warnings.append(&mut materials.warnings);
+
+    for instance in &scene.instances {
+        let bounds = scene.meshes[instance.mesh].bounds().map(|b| b.transformed(&instance.world_from_object));
+        if let Some(Aabb { min, max }) = bounds.filter(|b| !is_representable(b)) {
+            let mesh = &scene.meshes[instance.mesh].name;
+            let problem = format!("mesh '{mesh}' reaches from {min} to {max}, beyond {MAX_COORDINATE_M:e} m");
+            return Err(doc.bad("nodes", problem, "scale the scene down"));
+        }
+    }
+    let bounds = scene.bounds_world();
+    if bounds.is_none() {
+        scene.warnings.push("scene: it has no triangles, so nothing is drawn".into());
+    }
+    scene.background = around::read_background(doc)?;
+    scene.fog = around::read_fog(doc)?;
+    scene.lightmap = around::read_lightmap(doc)?;
+    scene.cameras = node::read_cameras(doc, &tree)?;
+    if scene.cameras.is_empty() {
+        scene.cameras.push(defaults::camera(bounds));
+    }
+    scene.environment = environment::read_environment(doc)?;
+    let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
+    let is_lit_by_nothing =
+        scene.lights.is_empty() && scene.environment.is_none() && scene.lightmap.is_none();
+    if is_lit && is_lit_by_nothing {
+        scene.lights = defaults::lights(&scene.cameras[0]);
+        scene.has_default_lights = true;
+        scene.warnings.push(DEFAULT_LIGHTS.into());
+    }
+    Ok(scene)
 }
 
 fn is_representable(bounds: &Aabb) -> bool {
@@ -113,6 +129,7 @@ fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &m
     let mut known: HashMap<(usize, usize, Option<usize>), Option<usize>> = HashMap::new();
     let mut skins: HashMap<usize, Skin> = HashMap::new();
     let mut budget = Budget::default();
+    let lightmaps = Lightmaps::read(doc, tree)?;
     for &node_index in &tree.drawn {
         let node = &doc.root.nodes[node_index];
         let Some(mesh_index) = node.mesh else { continue };
@@ -147,7 +164,8 @@ fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &m
                         (Some(name), _) => format!("{name} {j}"),
                         (None, _) => format!("mesh {} {j}", mesh_index.value()),
                     };
-                    let primitive = Primitive { json, name, element };
+                    let lightmapped = lightmaps.meshes.contains(&mesh_index.value());
+                    let primitive = Primitive { json, name, element, lightmapped };
                     let index = read_primitive(doc, &primitive, &pose, scene, materials, &mut budget)?;
                     known.insert(key, index);
                     index
@@ -158,10 +176,51 @@ fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &m
                 let problem = format!("there are more than {MAX_INSTANCES} meshes to draw");
                 return Err(doc.bad("nodes", problem, "split the scene into smaller files"));
             }
-            scene.instances.push(Instance::new(mesh, world_from_object));
+            let lightmap = lightmaps.of(doc, node_index, &scene.meshes[mesh], materials)?;
+            let dynamic = node::is_dynamic(doc, node_index)?;
+            scene.instances.push(Instance { dynamic, lightmap, ..Instance::new(mesh, world_from_object) });
         }
     }
     Ok(())
+}
+
+/// Which nodes have a part of the lightmap, and the meshes that they draw.
+struct Lightmaps {
+    rects: HashMap<usize, LightmapRect>,
+    meshes: HashSet<usize>,
+}
+
+impl Lightmaps {
+    fn read(doc: &Document, tree: &NodeTree) -> Result<Self> {
+        let (mut rects, mut meshes) = (HashMap::new(), HashSet::new());
+        for &node in &tree.drawn {
+            if let (Some(mesh), Some(NodeLightmap::Rect(rect))) =
+                (doc.root.nodes[node].mesh, around::node_lightmap(doc, node)?)
+            {
+                rects.insert(node, rect);
+                meshes.insert(mesh.value());
+            }
+        }
+        Ok(Self { rects, meshes })
+    }
+
+    /// The part of a node for one of its meshes; unlit ones have none.
+    fn of(
+        &self,
+        doc: &Document,
+        node: usize,
+        mesh: &Mesh,
+        materials: &Materials,
+    ) -> Result<Option<LightmapRect>> {
+        let unlit = materials.materials[mesh.material].unlit;
+        let Some(rect) = self.rects.get(&node).filter(|_| !unlit) else { return Ok(None) };
+        if mesh.texcoords[1].is_empty() {
+            let problem = format!("is there, but mesh '{}' has no TEXCOORD_1", mesh.name);
+            let element = format!("nodes[{node}].extras.ontile.lightmap");
+            return Err(doc.bad(element, problem, "bake the lightmap again, or remove it"));
+        }
+        Ok(Some(*rect))
+    }
 }
 
 /// Adds the mesh and its material to the scene; `None` if there are no triangles.

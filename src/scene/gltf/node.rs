@@ -5,6 +5,7 @@ use gltf::json;
 use gltf::json::camera::Type as CameraType;
 
 use super::document::Document;
+use super::extras::{self, Extra, Extras};
 use crate::Result;
 use crate::scene::{Camera, Projection};
 
@@ -135,6 +136,16 @@ fn local_transform(doc: &Document, index: usize) -> Result<DMat4> {
         None => DQuat::IDENTITY,
     };
     Ok(DMat4::from_scale_rotation_translation(scale, rotation, translation))
+}
+
+/// What the extras of a node say: see [`super::light`] and [`super::around`].
+pub fn extras<'a>(doc: &'a Document<'a>, node: usize) -> Result<Extras<'a>> {
+    Extras::read(doc, &[(&doc.root.nodes[node].extras, format!("nodes[{node}]"))], &extras::OF_NODES)
+}
+
+/// Whether a node's extras say that it will move: `"dynamic": true`.
+pub fn is_dynamic(doc: &Document, node: usize) -> Result<bool> {
+    extras(doc, node)?.get("dynamic").map_or(Ok(false), Extra::bool)
 }
 
 /// The cameras of the drawn nodes.
