@@ -71,7 +71,11 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 .specialization()
                 .and(lighting.specialization())
                 .and(output.specialization());
-            (vertex_module(kind), Module::Light { textured: kind.textures != 0, lights: one_light }, constants)
+            (
+                vertex_module(kind),
+                Module::Light { textured: kind.textures != 0, lights: one_light },
+                constants,
+            )
         }
         Pipeline::Lighting => {
             let lighting = if one_by_one { lighting.only_global() } else { lighting };
