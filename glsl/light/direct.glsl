@@ -79,23 +79,16 @@ bool is_lit_from(uint i, Surface surface, vec3 position) {
 
 #ifdef CLUSTERS
 
-// The first place from `next` to `end` in the lists whose light may add something.
-uint next_listed(uint next, uint end, Surface surface, vec3 position) {
-    while (next < end && !is_lit_from(clusters.words[next], surface, position)) {
-        ++next;
-    }
-    return next;
-}
-
 // What a surface at `position` reflects of the lights listed for its cell.
 vec3 listed_light(Surface surface, Reflector r, vec3 position) {
     vec3 sum = vec3(0.0);
     uvec2 list = cluster_list(position);
-    // Each pixel of a group looks for its own next light, so that the group evaluates the BRDF as often as the pixel
-    // with the most lights needs it. A branch around the BRDF would save less, and nothing where pixels are only
-    // masked: lavapipe leaves loops early, but no branch.
-    for (uint next = list.x; (next = next_listed(next, list.y, surface, position)) < list.y; ++next) {
-        sum += light_reflected(clusters.words[next], surface, r, position);
+    for (uint next = list.x; next < list.y; ++next) {
+        uint i = clusters.words[next];
+        // Neighbours nearly always agree, so that looking for one's own next light would save nothing.
+        if (is_lit_from(i, surface, position)) {
+            sum += light_reflected(i, surface, r, position);
+        }
     }
     return sum;
 }
