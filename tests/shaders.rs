@@ -167,8 +167,7 @@ fn blocks() -> [Block; 9] {
         ),
         block!(
             "Light" = LightData {
-                position_world,
-                inverse_range,
+                place,
                 intensity,
                 edge,
                 direction_world,

@@ -54,7 +54,7 @@ vec3 light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
 #ifdef SHADOWS
     if (lights[i].shadow != 0u && n_dot_l > 0.0 && incident.illuminance != vec3(0.0)) {
         incident.illuminance *= shadow(
-            lights[i].shadow, lights[i].position_world, position, surface.normal_world, incident.direction);
+            lights[i].shadow, lights[i].place.xyz, position, surface.normal_world, incident.direction);
     }
 #endif
     vec3 bsdf = brdf(r, incident.direction, clamp(n_dot_l, 0.0, 1.0));
@@ -71,9 +71,9 @@ bool is_lit_from(uint i, Surface surface, vec3 position) {
         bool faces = HAS_BACK || dot(surface.normal_world, lights[i].direction_world) < 0.0;
         return faces && all(lessThan(abs(in_light_frame(lights[i], position)), lights[i].half_size));
     }
-    vec3 to_light = lights[i].position_world - position;
-    float inverse_range = lights[i].inverse_range;
-    bool in_range = dot(to_light, to_light) * (inverse_range * inverse_range) < 1.0;
+    vec4 place = lights[i].place;
+    vec3 to_light = place.xyz - position;
+    bool in_range = dot(to_light, to_light) * (place.w * place.w) < 1.0;
     return in_range && dot(surface.normal_world, to_light) > 0.0;
 }
 

@@ -82,10 +82,9 @@ pub struct EnvironmentUniforms {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct LightData {
-    /// Metres; of a box its centre; unused by directional lights.
-    pub position_world: [f32; 3],
-    /// 1 / metres; 0 reaches everywhere.
-    pub inverse_range: f32,
+    /// Position in metres, of a box its centre; the fourth is 1 / range in 1 / metres, and 0 reaches everywhere. Unused
+    /// by directional lights.
+    pub place: [f32; 4],
     /// Colour times candela, or times lux for directional and box lights.
     pub intensity: [f32; 3],
     /// Of a spot `1 / max(0.001, cos(inner) - cos(outer))` of the cone's half angles (KHR_lights_punctual); of a box the
