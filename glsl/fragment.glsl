@@ -2,12 +2,16 @@
 // draws surfaces with their materials; wants pixel.glsl, brdf.glsl and Surface.
 
 #include "material.glsl"
+#ifdef AMBIENT
 #include "light/ambient.glsl"
+#endif
+#ifdef ENVIRONMENT
+#include "light/environment.glsl"
+#endif
 
 layout(constant_id = ID_DOUBLE_SIDED) const bool DOUBLE_SIDED = false;
 layout(constant_id = ID_UNLIT) const bool UNLIT = false;
 layout(constant_id = ID_EMISSIVE) const bool EMISSIVE = false;
-layout(constant_id = ID_AMBIENT) const bool AMBIENT = false;
 
 layout(location = VARYING_NORMAL) in vec3 varying_normal_world;
 
@@ -41,7 +45,11 @@ Fragment surface_at_fragment() {
     vec4 base_color = material_base_color();
     vec2 roughness_metallic = MATERIAL_SAMPLE(METALLIC_ROUGHNESS, vec4(1.0)).gb;
     vec3 normal_sample = MATERIAL_SAMPLE(NORMAL, vec4(0.5, 0.5, 1.0, 1.0)).rgb;
-    float occlusion_sample = AMBIENT ? MATERIAL_SAMPLE(OCCLUSION, vec4(1.0)).r : 1.0;
+#ifdef AMBIENT
+    float occlusion_sample = MATERIAL_SAMPLE(OCCLUSION, vec4(1.0)).r;
+#else
+    const float occlusion_sample = 1.0;
+#endif
     vec3 emissive_sample = EMISSIVE ? MATERIAL_SAMPLE(EMISSIVE, vec4(1.0)).rgb : vec3(0.0);
     if (material_is_cut(base_color.a)) {
         discard;
@@ -70,9 +78,17 @@ vec3 indirect_light(Fragment fragment) {
     if (EMISSIVE) {
         light += fragment.emission;
     }
-    if (AMBIENT) {
-        float n_dot_v = clamp(dot(surface.normal_world, view_direction_world()), MIN_N_DOT_V, 1.0);
-        light += light_ambient(surface, n_dot_v, frame.ambient_nt.rgb, fragment.occlusion);
-    }
+#ifdef AMBIENT
+    vec3 v = view_direction_world();
+    float n_dot_v = clamp(dot(surface.normal_world, v), MIN_N_DOT_V, 1.0);
+    vec3 diffuse_nt = frame.ambient_nt.rgb;
+    vec3 specular_nt = frame.ambient_nt.rgb;
+#ifdef ENVIRONMENT
+    diffuse_nt += environment_irradiance_nt(surface.normal_world);
+    vec3 towards = dominant_direction(surface.normal_world, v, surface.roughness);
+    specular_nt += environment_radiance_nt(towards, surface.roughness);
+#endif
+    light += light_around(surface, n_dot_v, diffuse_nt, specular_nt, fragment.occlusion);
+#endif
     return light;
 }

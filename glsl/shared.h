@@ -11,6 +11,9 @@
 #define BINDING_INSTANCES 1
 #define BINDING_LIGHTS 2
 #define BINDING_CLUSTERS 3
+#define BINDING_SPLIT_SUM 8
+#define BINDING_ENVIRONMENT 9
+#define BINDING_RADIANCE 10
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 
@@ -55,7 +58,6 @@
 #define ID_UNLIT 10
 #define ID_VERTEX_COLOR 11
 #define ID_EMISSIVE 12
-#define ID_AMBIENT 13
 #define ID_HAS_DIRECTIONAL 14
 #define ID_HAS_POINT 15
 #define ID_HAS_SPOT 16
@@ -76,6 +78,7 @@
 #define ID_FOG_DENSITY 31
 #define ID_FOG_BASE 32
 #define ID_FOG_INVERSE_HEIGHT 33
+#define ID_RGBM 40
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

@@ -54,7 +54,7 @@ fn pictures_look_as_expected() {
     on_device(Some(LAVAPIPE), |gpu| {
         let mut expected = Expected::in_folder("golden");
         let mut all = scenes::shipped();
-        all.push(scenes::every_feature());
+        all.extend([scenes::every_feature(), scenes::environment()]);
         let mut names = Vec::new();
         for scene in all {
             let options = Options { size: SIZE, ..Options::default() };

@@ -53,6 +53,8 @@ fn printed() -> Vec<(String, String)> {
             "every_feature_forward_prepass".into(),
             plan(&features, Options { depth_prepass: true, ..forward() }),
         ),
+        ("environment".into(), plan(&scenes::environment(), default())),
+        ("environment_forward".into(), plan(&scenes::environment_alone(), forward())),
         ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
         ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),
         ("foggy".into(), plan(&scenes::foggy(), default())),

@@ -10,7 +10,9 @@ mod shader_manifest;
 use ontile::gpu::shader::{
     GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, embedded_names, shared,
 };
-use ontile::gpu::shared::{ClusterGrid, FrameUniforms, InstanceData, LightData, MaterialData};
+use ontile::gpu::shared::{
+    ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, MaterialData,
+};
 use ontile::plan::Tonemap;
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;
@@ -129,7 +131,7 @@ fn names_are_unique_and_unknown_keys_are_errors() {
     assert!(tangent_only.spirv().unwrap_err().to_string().contains("geometry_t.vert"));
 }
 
-fn blocks() -> [Block; 5] {
+fn blocks() -> [Block; 6] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -176,6 +178,7 @@ fn blocks() -> [Block; 5] {
             }
         ),
         block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
+        block!("Environment" = EnvironmentUniforms { irradiance, rotation, scale, last_level }),
     ]
 }
 
@@ -294,8 +297,8 @@ fn fragments_read_what_vertices_write() {
             pairs += 1;
         }
     }
-    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 8 of each.
-    assert_eq!(pairs, 8 * (10 + 6));
+    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates; 17 of each.
+    assert_eq!(pairs, 17 * (10 + 6));
 }
 
 #[test]

@@ -1,19 +1,27 @@
-// Light that arrives from every direction alike.
+// Light from all around, reflected: what ambient light and environments share.
 
-// The share of uniform light that a GGX lobe reflects: Karis 2014, "Physically Based Shading on Mobile" (the fit
-// that Unreal Engine 4 uses in place of a lookup table).
-vec3 env_brdf(vec3 f0, float roughness, float n_dot_v) {
-    const vec4 c0 = vec4(-1.0, -0.0275, -0.572, 0.022);
-    const vec4 c1 = vec4(1.0, 0.0425, 1.04, -0.04);
-    vec4 r = roughness * c0 + c1;
-    float a004 = min(r.x * r.x, exp2(-9.28 * n_dot_v)) * r.x + r.y;
-    vec2 scale_bias = vec2(-1.04, 1.04) * a004 + r.zw;
-    return f0 * scale_bias.x + scale_bias.y;
+// The albedo of the specular lobe is f0 a + b; columns of the table are sqrt(n.v), rows roughness, from the first texel's
+// centre to the last one's (src/environment/split_sum.rs).
+layout(set = SET_FRAME, binding = BINDING_SPLIT_SUM) uniform sampler2D split_sum;
+
+vec2 specular_albedo(float n_dot_v, float roughness) {
+    vec2 size = vec2(textureSize(split_sum, 0));
+    vec2 place = vec2(sqrt(n_dot_v), roughness) * (size - 1.0) + 0.5;
+    return textureLod(split_sum, place / size, 0.0).xy;
 }
 
-// cd/m^2 towards the viewer. Occlusion, as glTF 2.0 section 3.9.3 has it, dims this light only.
-vec3 light_ambient(Surface surface, float n_dot_v, vec3 ambient_nt, float occlusion) {
+// The part of light that the coat of a dielectric lets through to its diffuse base, but for 1 - f0: one less the mean of
+// (1 - v.h)^5 over light from all around, as a cubic (src/environment/split_sum.rs).
+float transmission(float n_dot_v) {
+    return 0.97191 + n_dot_v * (0.07756 + n_dot_v * (-0.07515 + n_dot_v * 0.02567));
+}
+
+// cd/m^2 towards the viewer. diffuse_nt: irradiance over pi; specular_nt: radiance around the mirror direction, blurred for
+// the roughness. Exact where light is the same from everywhere, else Karis' split sum ("Real Shading in Unreal Engine 4",
+// 2013). Occlusion, as glTF 2.0 section 3.9.3 has it, dims this light only.
+vec3 light_around(Surface surface, float n_dot_v, vec3 diffuse_nt, vec3 specular_nt, float occlusion) {
     vec3 f0 = mix(vec3(DIELECTRIC_F0), surface.base_color, surface.metallic);
-    vec3 diffuse = surface.base_color * (1.0 - surface.metallic);
-    return ambient_nt * occlusion * (diffuse + env_brdf(f0, surface.roughness, n_dot_v));
+    vec2 albedo = specular_albedo(n_dot_v, surface.roughness);
+    float base = (1.0 - surface.metallic) * (1.0 - DIELECTRIC_F0) * transmission(n_dot_v);
+    return occlusion * (diffuse_nt * surface.base_color * base + specular_nt * (f0 * albedo.x + albedo.y));
 }

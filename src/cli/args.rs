@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
+use ontile::environment::TexelFormat;
 use ontile::glam::Vec3;
 use ontile::picture::FileFormat;
 use ontile::plan::{Layout, LightWay, Options, OutputFormat, Path, Strategy, Tonemap};
@@ -39,6 +40,17 @@ pub struct SceneArgs {
     /// scene's own, else fog is alike at all heights]
     #[arg(long, value_name = "BASE,SCALE", value_parser = fog_height, allow_hyphen_values = true)]
     pub fog_height: Option<FogHeight>,
+    /// Light from far away: an equirectangular .hdr or .exr picture of radiance in cd/m², or what 'ontile bake environment' made
+    /// of one [default: the scene's own, else none]
+    #[arg(long, value_name = "FILE")]
+    pub environment: Option<PathBuf>,
+    /// How far the environment is turned about +Y: at 0 the picture's centre lies towards +Z and its right half towards -X
+    /// [default: the scene's own, else 0]
+    #[arg(long, value_name = "DEGREES", value_parser = degrees, allow_negative_numbers = true)]
+    pub environment_rotation: Option<f32>,
+    /// Multiplies the environment's radiance [default: the scene's own, else 1]
+    #[arg(long, value_name = "FACTOR", value_parser = intensity, allow_negative_numbers = true)]
+    pub environment_intensity: Option<f32>,
     /// Lights at most; the least important are left out: first by the priority that the scene gives them, then by the
     /// light that they bring [default: all]
     #[arg(long, value_name = "N")]
@@ -71,6 +83,10 @@ pub struct PlanArgs {
     /// Draw the depth of all surfaces first, so that no pixel is shaded twice [default: off]
     #[arg(long)]
     pub depth_prepass: bool,
+    /// How an environment's radiance is stored, unless the file says so: rgbm, b10g11r11 and e5b9g9r9 take 4 bytes a texel,
+    /// rgba16f 8
+    #[arg(long, value_name = "NAME", default_value_t = TexelFormat::E5B9G9R9, value_parser = named(TexelFormat::ALL, TexelFormat::name))]
+    pub environment_format: TexelFormat,
     /// How lights reach pixels
     #[arg(long, value_name = "WAY", default_value_t = LightWay::Fullscreen, value_parser = named(LightWay::ALL, LightWay::name))]
     pub lights: LightWay,
@@ -106,6 +122,7 @@ impl PlanArgs {
             recycle: !self.no_recycle,
             fold: !self.no_fold,
             dither: self.dither,
+            environment_format: self.environment_format,
             ..Options::default()
         }
     }
@@ -218,4 +235,17 @@ fn fog_height(text: &str) -> Result<FogHeight, String> {
 fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
     let parsed: Vec<f32> = text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
     parsed.try_into().ok().filter(|list: &[f32; N]| list.iter().all(|x| x.is_finite()))
+}
+fn degrees(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(degrees) if degrees.is_finite() => Ok(degrees),
+        _ => Err("give an angle in degrees".into()),
+    }
+}
+
+fn intensity(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(factor) if factor >= 0.0 && factor.is_finite() => Ok(factor),
+        _ => Err("give a factor, 0 or more".into()),
+    }
 }

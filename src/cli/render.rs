@@ -71,7 +71,8 @@ impl RenderArgs {
 /// Renders and writes the picture, then the report.
 pub fn run(args: &RenderArgs) -> Result<()> {
     run_with(args, || {
-        let scene = scene::load(&args.scene)?;
+        let mut scene = scene::load(&args.scene)?;
+        scene::prefilter(&mut scene, args.plan.environment_format);
         render(args, &scene)
     })
 }

@@ -1,8 +1,9 @@
 //! From the arguments to a scene and a camera.
 
 use ontile::Result;
+use ontile::environment::{Cache, DEFAULT_FACE_SIZE, TexelFormat};
 use ontile::glam::Vec3;
-use ontile::scene::{Camera, Fog, Scene};
+use ontile::scene::{Camera, Environment, Fog, Scene};
 
 use super::args::SceneArgs;
 use super::print;
@@ -16,6 +17,7 @@ pub fn load(args: &SceneArgs) -> Result<Scene> {
     if let Some(ambient) = args.ambient {
         scene.ambient_nt = ontile::glam::Vec3::splat(ambient);
     }
+    read_environment(&mut scene, args)?;
     scene.background = args.background.unwrap_or(scene.background);
     apply_fog(&mut scene, args);
     if args.no_shadows {
@@ -44,6 +46,40 @@ fn apply_fog(scene: &mut Scene, args: &SceneArgs) {
             "--fog-color and --fog-height are without effect: the scene has no fog, and --fog gives none",
         );
     }
+}
+
+/// The environment that the arguments ask for.
+fn read_environment(scene: &mut Scene, args: &SceneArgs) -> Result<()> {
+    if let Some(path) = &args.environment {
+        let _progress = Progress::of(format!("loading {}", path.display()));
+        let own = scene.environment.take();
+        let read = Environment::load(path)?;
+        // The scene may say how its environment lies and how bright it is, whichever it is.
+        let (rotation_deg, intensity) =
+            own.map_or((read.rotation_deg, read.intensity), |own| (own.rotation_deg, own.intensity));
+        scene.environment = Some(Environment { rotation_deg, intensity, ..read });
+        scene.drop_default_lights();
+    }
+    match &mut scene.environment {
+        Some(environment) => {
+            environment.rotation_deg = args.environment_rotation.unwrap_or(environment.rotation_deg);
+            environment.intensity = args.environment_intensity.unwrap_or(environment.intensity);
+        }
+        None if args.environment_rotation.is_some() || args.environment_intensity.is_some() => {
+            print::warning(
+                "--environment-rotation and --environment-intensity are without effect: there is no environment",
+            );
+        }
+        None => {}
+    }
+    Ok(())
+}
+
+/// Filters the scene's environment, or reads what an earlier run has kept of it.
+pub fn prefilter(scene: &mut Scene, format: TexelFormat) {
+    let Some(environment) = &mut scene.environment else { return };
+    let _progress = Progress::of(format!("filtering {}", environment.name));
+    environment.prefilter(DEFAULT_FACE_SIZE, format, Cache::of_user().as_ref());
 }
 
 /// The camera that the arguments name; the first by default.

@@ -2,6 +2,7 @@
 
 use ash::vk;
 
+use crate::environment::TexelFormat;
 use crate::plan::{Access, Format, Load, Scope, State, Store, Usage};
 
 /// The Vulkan format.
@@ -15,6 +16,16 @@ pub const fn format(f: Format) -> vk::Format {
         Format::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
         Format::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
         Format::D32Float => vk::Format::D32_SFLOAT,
+    }
+}
+
+/// The Vulkan format of an environment's radiance.
+pub const fn radiance_format(f: TexelFormat) -> vk::Format {
+    match f {
+        TexelFormat::Rgbm => vk::Format::R8G8B8A8_UNORM,
+        TexelFormat::B10G11R11 => vk::Format::B10G11R11_UFLOAT_PACK32,
+        TexelFormat::E5B9G9R9 => vk::Format::E5B9G9R9_UFLOAT_PACK32,
+        TexelFormat::Rgba16F => vk::Format::R16G16B16A16_SFLOAT,
     }
 }
 

@@ -19,6 +19,8 @@ pub struct ImageDesc<'a> {
     pub levels: u32,
     /// Array layers, at least 1; more than one makes the view an array.
     pub layers: u32,
+    /// Layers are a cube's faces, six of them; the view is one of the cube.
+    pub cube: bool,
     /// Samples per texel.
     pub samples: vk::SampleCountFlags,
     /// Everything it is used for.
@@ -28,7 +30,16 @@ pub struct ImageDesc<'a> {
 impl<'a> ImageDesc<'a> {
     /// One level, one layer, one sample.
     pub fn new(name: &'a str, format: vk::Format, size: [u32; 2], usage: vk::ImageUsageFlags) -> Self {
-        Self { name, format, size, levels: 1, layers: 1, samples: vk::SampleCountFlags::TYPE_1, usage }
+        Self {
+            name,
+            format,
+            size,
+            levels: 1,
+            layers: 1,
+            cube: false,
+            samples: vk::SampleCountFlags::TYPE_1,
+            usage,
+        }
     }
 }
 
@@ -43,6 +54,7 @@ pub struct Image {
     size: [u32; 2],
     levels: u32,
     layers: u32,
+    cube: bool,
     samples: vk::SampleCountFlags,
     usage: vk::ImageUsageFlags,
 }
@@ -88,6 +100,7 @@ impl Image {
     fn with_memory(device: &Device, desc: &ImageDesc<'_>, lazy: bool) -> Result<Self> {
         check_support(device, desc)?;
         let info = vk::ImageCreateInfo::default()
+            .flags(create_flags(desc))
             .image_type(vk::ImageType::TYPE_2D)
             .format(desc.format)
             .extent(vk::Extent3D { width: desc.size[0], height: desc.size[1], depth: 1 })
@@ -110,6 +123,7 @@ impl Image {
             size: desc.size,
             levels: desc.levels,
             layers: desc.layers,
+            cube: desc.cube,
             samples: desc.samples,
             usage: desc.usage,
         };
@@ -135,6 +149,7 @@ impl Image {
         let info = vk::ImageViewCreateInfo::default()
             .image(self.raw())
             .view_type(match self.layers {
+                _ if self.cube => vk::ImageViewType::CUBE,
                 1 => vk::ImageViewType::TYPE_2D,
                 _ => vk::ImageViewType::TYPE_2D_ARRAY,
             })
@@ -255,7 +270,7 @@ fn check_support(device: &Device, desc: &ImageDesc<'_>) -> Result<()> {
             vk::ImageType::TYPE_2D,
             vk::ImageTiling::OPTIMAL,
             desc.usage,
-            vk::ImageCreateFlags::empty(),
+            create_flags(desc),
         )
     };
     let limits = match limits {
@@ -296,6 +311,10 @@ fn check_support(device: &Device, desc: &ImageDesc<'_>) -> Result<()> {
             limits.max_resource_size
         ),
     ))
+}
+
+fn create_flags(desc: &ImageDesc<'_>) -> vk::ImageCreateFlags {
+    if desc.cube { vk::ImageCreateFlags::CUBE_COMPATIBLE } else { vk::ImageCreateFlags::empty() }
 }
 
 /// What a format must support to be used like this (Vulkan 1.3, 48.1.1, "Potential Format Features").

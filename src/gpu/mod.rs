@@ -16,6 +16,7 @@
 //!
 #![doc = include_str!("embedding.md")]
 
+mod around;
 mod buffer;
 mod cache;
 mod caps;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::convert;
 use super::shared::InstanceData;
-use crate::plan::{Pipeline, Plan, SurfaceKind};
+use crate::plan::{Around, Pipeline, Plan, SurfaceKind};
 use crate::scene::{Aabb, Instance, Scene};
 use crate::visible::Frustum;
 use crate::{Error, Result};
@@ -60,7 +60,7 @@ pub(super) struct Objects {
 impl Objects {
     /// Sorts by pipeline, material and mesh, so that state changes are few and equal meshes become one draw.
     pub(super) fn new(scene: &Scene, plan: &Plan) -> Self {
-        let ambient = scene.ambient_nt != glam::Vec3::ZERO;
+        let around = Around::of(scene);
         let mut order: Vec<_> = scene
             .instances
             .iter()
@@ -69,7 +69,7 @@ impl Objects {
             .map(|(index, instance)| {
                 let mesh = &scene.meshes[instance.mesh];
                 let kind =
-                    SurfaceKind::new(mesh, &scene.materials[mesh.material], instance.is_mirrored(), ambient);
+                    SurfaceKind::new(mesh, &scene.materials[mesh.material], instance.is_mirrored(), around);
                 let wanted = Pipeline::Surface(kind);
                 let pipeline = plan.pipelines.iter().position(|(_, p)| *p == wanted);
                 (pipeline.expect("the plan was made for this scene"), mesh.material, instance.mesh, index)

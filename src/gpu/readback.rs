@@ -175,6 +175,7 @@ pub fn texel_bytes(format: vk::Format) -> Result<u32> {
         | F::A2B10G10R10_UNORM_PACK32
         | F::A2R10G10B10_UNORM_PACK32
         | F::B10G11R11_UFLOAT_PACK32
+        | F::E5B9G9R9_UFLOAT_PACK32
         | F::R16G16_SFLOAT
         | F::R16G16_UNORM
         | F::R32_SFLOAT

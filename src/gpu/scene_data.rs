@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use ash::vk;
 
+use super::around::AroundData;
 use super::descriptor::{Content, DescriptorSets};
 use super::frame_data::{Everything, FrameData, Seen};
 use super::light_lists::LightLists;
@@ -30,6 +31,7 @@ pub(super) struct SceneData {
     materials: Option<Materials>,
     geometry: Geometry,
     textures: Textures,
+    around: AroundData,
     ambient_nt: glam::Vec3,
 }
 
@@ -60,6 +62,7 @@ impl SceneData {
             materials: Materials::new(device, upload, scene)?,
             geometry,
             textures,
+            around: AroundData::new(device, upload, scene, plan)?,
             ambient_nt: scene.ambient_nt,
         };
         data.write_frame_sets(device, pipelines)?;
@@ -101,6 +104,7 @@ impl SceneData {
             + self.materials.as_ref().map_or(0, Materials::allocated_bytes)
             + self.geometry.allocated_bytes()
             + self.textures.allocated_bytes()
+            + self.around.allocated_bytes()
     }
 
     /// Fills the slot's buffers with what the view sees, or with all there is; the GPU has finished with the slot.
@@ -169,9 +173,13 @@ impl SceneData {
         let Some(sets) = DescriptorSets::new(device, &wanted, "frame")? else { return Ok(()) };
         for (index, (_, bindings)) in wanted.iter().enumerate() {
             for &(binding, ty, ..) in *bindings {
+                if let Some(content) = self.around.content(binding) {
+                    sets.write(index, binding, ty, &content);
+                    continue;
+                }
                 let frame = &self.frames[index / self.families.len()];
                 let buffer = match binding {
-                    _ if ty == vk::DescriptorType::UNIFORM_BUFFER => Some(&frame.uniforms),
+                    b if b == const { shared("BINDING_FRAME") } => Some(&frame.uniforms),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
                     b if b == const { shared("BINDING_CLUSTERS") } => frame.clusters.as_ref(),
                     _ => Some(&frame.lights),

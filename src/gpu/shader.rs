@@ -9,7 +9,7 @@ pub use specialization::{
     GeometryConstants, LightingConstants, OutputConstants, Specialization, TextureSlot,
 };
 
-use crate::plan::Layout;
+use crate::plan::{Around, Layout};
 use crate::{Error, Result};
 
 /// The number that `glsl/shared.h` defines for `name`; call it in a `const`, so that a missing name does not compile.
@@ -86,6 +86,8 @@ pub enum Module {
         light_target: bool,
         /// Whether the material has any texture.
         textured: bool,
+        /// What arrives from all around; nothing without a light target.
+        around: Around,
     },
     /// Writes the output directly, where nothing is lit.
     Unlit {
@@ -98,6 +100,8 @@ pub enum Module {
         textured: bool,
         /// Whether each pixel looks at the lights of its cluster, not at all.
         clusters: bool,
+        /// What arrives from all around.
+        around: Around,
     },
     /// Keeps nothing of a surface but what its alpha mask leaves.
     Mask {
@@ -120,6 +124,17 @@ pub enum Module {
     Fullscreen,
 }
 
+/// Every kind.
+const AROUND: [Around; 3] = [Around::Nothing, Around::Ambient, Around::Environment];
+
+fn around_suffix(around: Around) -> &'static str {
+    match around {
+        Around::Nothing => "",
+        Around::Ambient => "_ambient",
+        Around::Environment => "_environment",
+    }
+}
+
 impl Module {
     /// Every module that exists.
     pub fn all() -> Vec<Self> {
@@ -132,14 +147,17 @@ impl Module {
             }
         }
         for &layout in Layout::ALL {
-            for (light_target, textured) in [(false, false), (false, true), (true, false), (true, true)] {
-                all.push(Self::GeometryFragment { layout, light_target, textured });
+            for textured in [false, true] {
+                let module =
+                    |light_target, around| Self::GeometryFragment { layout, light_target, textured, around };
+                all.push(module(false, Around::Nothing));
+                all.extend(AROUND.map(|around| module(true, around)));
             }
             all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
         for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
-            all.push(Self::Forward { textured, clusters });
+            all.extend(AROUND.map(|around| Self::Forward { textured, clusters, around }));
         }
         all.extend([false, true].map(|textured| Self::Mask { textured }));
         all.extend([false, true].map(|fog| Self::Tonemap { fog }));
@@ -161,16 +179,18 @@ impl Module {
                 suffix(tangent, "t"),
                 suffix(color, "c"),
             ),
-            Self::GeometryFragment { layout, light_target, textured } => format!(
-                "geometry_{layout}{}{}.frag",
+            Self::GeometryFragment { layout, light_target, textured, around } => format!(
+                "geometry_{layout}{}{}{}.frag",
                 suffix(light_target, "_light"),
                 suffix(textured, "_textured"),
+                around_suffix(around),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
             Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured, clusters } => {
+            Self::Forward { textured, clusters, around } => {
                 let clusters = suffix(clusters, "_clusters");
-                format!("forward{clusters}{}.frag", suffix(textured, "_textured"))
+                let textured = suffix(textured, "_textured");
+                format!("forward{clusters}{textured}{}.frag", around_suffix(around))
             }
             Self::Lighting { layout, clusters } => {
                 format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
@@ -223,13 +243,20 @@ impl Module {
                 (tangent, "HAS_TANGENT"),
                 (color, "HAS_COLOR"),
             ]),
-            Self::GeometryFragment { layout, light_target, textured } => chosen(&[
+            Self::GeometryFragment { layout, light_target, textured, around } => chosen(&[
                 (true, layout_define(layout)),
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
+                (around >= Around::Ambient, "AMBIENT"),
+                (around >= Around::Environment, "ENVIRONMENT"),
             ]),
             Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Forward { textured, clusters } => chosen(&[(textured, "TEXTURED"), (clusters, "CLUSTERS")]),
+            Self::Forward { textured, clusters, around } => chosen(&[
+                (textured, "TEXTURED"),
+                (clusters, "CLUSTERS"),
+                (around >= Around::Ambient, "AMBIENT"),
+                (around >= Around::Environment, "ENVIRONMENT"),
+            ]),
             Self::Lighting { layout, clusters } => {
                 chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
             }

@@ -64,6 +64,20 @@ pub struct MaterialData {
     pub uv_rows: [[[f32; 4]; 2]; super::shader::KIND_COUNT],
 }
 
+/// What does not change about an environment: `Environment` in `glsl/light/environment.glsl`, std140.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct EnvironmentUniforms {
+    /// Irradiance over pi in cd/m², coefficients of [`crate::environment::basis`]. w unused.
+    pub irradiance: [[f32; 4]; 9],
+    /// Cosine and sine of the angle by which the environment is turned about +Y.
+    pub rotation: [f32; 2],
+    /// cd/m² of a stored 1.
+    pub scale: f32,
+    /// The level for roughness 1.
+    pub last_level: f32,
+}
+
 /// A light with a place or a direction: `Light` in `glsl/light/punctual.glsl`, std430.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

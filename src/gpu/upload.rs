@@ -88,8 +88,8 @@ impl Upload {
         Ok(())
     }
 
-    /// Fills the mip levels of an image's first layer, all of them, level 0 first, rows tightly packed; the
-    /// image becomes SHADER_READ_ONLY_OPTIMAL. What it held before is lost.
+    /// Fills all mip levels of an image, level 0 first, in each all layers, rows tightly packed; the image becomes
+    /// SHADER_READ_ONLY_OPTIMAL. What it held before is lost.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if levels or sizes are not the image's; [`Error::Vulkan`] without staging
@@ -97,11 +97,12 @@ impl Upload {
     pub fn image(&mut self, target: &Image, levels: &[&[u8]]) -> Result<()> {
         let texel = u64::from(texel_bytes(target.format())?);
         let size = |level: u32| target.size().map(|n| (n >> level).max(1));
-        let expected = |level: u32| size(level).iter().map(|&n| u64::from(n)).product::<u64>() * texel;
+        let layers = u64::from(target.layers());
+        let expected =
+            |level: u32| size(level).iter().map(|&n| u64::from(n)).product::<u64>() * texel * layers;
         let sizes_agree = levels.len() == target.levels() as usize
             && (0..).zip(levels).all(|(level, content)| content.len() as u64 == expected(level));
-        if !sizes_agree || target.layers() != 1 || !target.usage().contains(vk::ImageUsageFlags::TRANSFER_DST)
-        {
+        if !sizes_agree || !target.usage().contains(vk::ImageUsageFlags::TRANSFER_DST) {
             return Err(Error::unsupported(
                 format!(
                     "{} mip levels of {:?} bytes cannot be copied to a {:?} image of {:?} texels, {} levels and {} layers with usage {:?}",
@@ -121,25 +122,27 @@ impl Upload {
             let row_bytes = u64::from(width) * texel;
             // A row of the largest image (2^15 texels of 16 bytes) fits into a chunk many times.
             let rows_per_piece = (CHUNK_BYTES / row_bytes).clamp(1, u64::from(height));
-            let mut y = 0;
-            for piece in content.chunks((rows_per_piece * row_bytes) as usize) {
-                let rows = (piece.len() as u64 / row_bytes) as u32;
-                let (chunk, buffer_offset) = self.stage(piece)?;
-                let region = vk::BufferImageCopy {
-                    buffer_offset,
-                    buffer_row_length: 0,
-                    buffer_image_height: 0,
-                    image_subresource: vk::ImageSubresourceLayers {
-                        aspect_mask: aspects(target.format()),
-                        mip_level: level,
-                        base_array_layer: 0,
-                        layer_count: 1,
-                    },
-                    image_offset: vk::Offset3D { x: 0, y: y as i32, z: 0 },
-                    image_extent: vk::Extent3D { width, height: rows, depth: 1 },
-                };
-                self.image_copies.push(ImageCopy { chunk, target: target.raw(), region });
-                y += rows;
+            for (layer, content) in (0..).zip(content.chunks((row_bytes * u64::from(height)) as usize)) {
+                let mut y = 0;
+                for piece in content.chunks((rows_per_piece * row_bytes) as usize) {
+                    let rows = (piece.len() as u64 / row_bytes) as u32;
+                    let (chunk, buffer_offset) = self.stage(piece)?;
+                    let region = vk::BufferImageCopy {
+                        buffer_offset,
+                        buffer_row_length: 0,
+                        buffer_image_height: 0,
+                        image_subresource: vk::ImageSubresourceLayers {
+                            aspect_mask: aspects(target.format()),
+                            mip_level: level,
+                            base_array_layer: layer,
+                            layer_count: 1,
+                        },
+                        image_offset: vk::Offset3D { x: 0, y: y as i32, z: 0 },
+                        image_extent: vk::Extent3D { width, height: rows, depth: 1 },
+                    };
+                    self.image_copies.push(ImageCopy { chunk, target: target.raw(), region });
+                    y += rows;
+                }
             }
         }
         self.images.push((target.raw(), target.range()));

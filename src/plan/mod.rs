@@ -8,6 +8,7 @@
 //! why it is there.
 
 mod access;
+mod around;
 mod budget;
 mod derive;
 mod format;
@@ -22,6 +23,7 @@ mod stage;
 mod tests;
 
 pub use access::{Access, Scope, State};
+pub use around::{Around, AroundImage, EnvironmentNeed};
 pub use budget::{Verdict, verdicts};
 pub use format::Format;
 pub use layout::{LayoutTable, Target};
@@ -36,6 +38,8 @@ pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Stra
 use std::collections::BTreeSet;
 
 use serde::Serialize;
+
+use crate::environment::TexelFormat;
 
 /// What a device allows, as far as a plan depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -229,6 +233,8 @@ pub struct Plan {
     pub passes: Vec<Pass>,
     /// Pipelines with the stage they belong to.
     pub pipelines: Vec<(usize, Pipeline)>,
+    /// What surfaces sample to receive light from all around.
+    pub around: Vec<AroundImage>,
     /// The path taken: never [`Path::Auto`]. Without lit surfaces they are all the same.
     pub path: Path,
     /// Whether the stage that lights applies the tone curve itself, so that there is no light target.
@@ -259,16 +265,34 @@ impl Plan {
         check_counts(&passes, &options, limits)?;
         let pipelines = pipelines(&frame, &needs);
         let (light_way, clusters, why) = lights::resolve(&needs, &options);
+        let around = around::images(&needs, &options);
         let folded = frame.folded;
         let mut notes = notes(&needs, &options, path, &attachments, folded);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
-        Ok(Self { options, needs, attachments, passes, pipelines, path, folded, light_way, clusters, notes })
+        Ok(Self {
+            options,
+            needs,
+            attachments,
+            passes,
+            pipelines,
+            around,
+            path,
+            folded,
+            light_way,
+            clusters,
+            notes,
+        })
     }
 
     /// Whether surfaces are lit after all are known, from a G-buffer.
     pub fn has_gbuffer(&self) -> bool {
         self.needs.lit.is_some() && self.path == Path::Deferred
+    }
+
+    /// How the environment's radiance is stored, and the edge of its largest level in texels.
+    pub fn environment_texels(&self) -> Option<(TexelFormat, u32)> {
+        self.needs.environment.as_ref().map(|need| around::environment_texels(need, &self.options))
     }
 
     /// Whether a light target exists.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::{Around, EnvironmentNeed};
 use crate::scene::{AlphaMode, Background, Fog, LightKind, Material, Mesh, Scene, TextureRef};
 
 /// The texture slots of a material, in the order of shader slots.
@@ -32,16 +33,16 @@ pub struct SurfaceKind {
     pub mirrored: bool,
     /// Adds emitted light.
     pub emissive: bool,
-    /// Adds ambient light.
-    pub ambient: bool,
+    /// Adds light from all around.
+    pub around: Around,
 }
 
 impl SurfaceKind {
     /// What drawing `mesh` with `material` needs.
-    pub fn new(mesh: &Mesh, material: &Material, mirrored: bool, ambient: bool) -> Self {
+    pub fn new(mesh: &Mesh, material: &Material, mirrored: bool, around: Around) -> Self {
         let lit = !material.unlit;
         let emissive = lit && material.emissive_factor != glam::Vec3::ZERO;
-        let ambient = lit && ambient;
+        let around = if lit { around } else { Around::Nothing };
         let mut kind = Self {
             unlit: material.unlit,
             vertex_color: !mesh.colors.is_empty(),
@@ -49,14 +50,14 @@ impl SurfaceKind {
             double_sided: material.double_sided,
             mirrored,
             emissive,
-            ambient,
+            around,
             ..Self::default()
         };
         let wanted = [
             true,
             lit,
             lit && !mesh.tangents.is_empty(),
-            ambient && material.occlusion_strength != 0.0,
+            around.any() && material.occlusion_strength != 0.0,
             emissive,
         ];
         for (slot, (texture, wanted)) in Self::textures_of(material).into_iter().zip(wanted).enumerate() {
@@ -134,7 +135,8 @@ impl std::fmt::Display for SurfaceKind {
             (self.double_sided, "double-sided"),
             (self.mirrored, "mirrored"),
             (self.emissive, "emissive"),
-            (self.ambient, "ambient"),
+            (self.around == Around::Ambient, "ambient"),
+            (self.around == Around::Environment, "environment"),
         ];
         flags.iter().filter(|(on, _)| *on).try_for_each(|(_, name)| write!(f, " +{name}"))
     }
@@ -176,6 +178,8 @@ pub struct Needs {
     /// How many lights that have a place may be lit: dark ones too, if one of their kind is not dark, since a host may
     /// light them up.
     pub most_local_lights: usize,
+    /// The environment, if anything receives its light.
+    pub environment: Option<EnvironmentNeed>,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
     /// The background, as linear display light, if it is a colour.
@@ -192,12 +196,12 @@ impl Needs {
 
     /// Reads them off a scene.
     pub fn of(scene: &Scene) -> Self {
-        let ambient = scene.ambient_nt != glam::Vec3::ZERO;
+        let around = Around::of(scene);
         let mut kinds: BTreeMap<SurfaceKind, KindNeed> = BTreeMap::new();
         for instance in scene.drawn_instances() {
             let mesh = &scene.meshes[instance.mesh];
             let material = &scene.materials[mesh.material];
-            let kind = SurfaceKind::new(mesh, material, instance.is_mirrored(), ambient);
+            let kind = SurfaceKind::new(mesh, material, instance.is_mirrored(), around);
             kinds
                 .entry(kind)
                 .or_insert_with(|| KindNeed {
@@ -215,12 +219,12 @@ impl Needs {
             let mut ask = |wanted, what| prelit.extend(first(wanted).map(|n| format!("{} {what}", n.why)));
             ask(|k| k.emissive, "is emissive");
             ask(|k| k.unlit, "is unlit");
-            ask(|k| k.ambient, "receives ambient light");
+            ask(|k| k.around == Around::Ambient, "receives ambient light");
+            ask(|k| k.around == Around::Environment, "receives light of the environment");
         }
         let lights = || scene.lights.iter().filter(|l| !l.is_dark());
         let count = |wanted: fn(&LightKind) -> bool| lights().filter(|l| wanted(&l.kind)).count();
         Self {
-            lit,
             prelit,
             directional_lights: count(|k| matches!(k, LightKind::Directional { .. })),
             point_lights: count(|k| matches!(k, LightKind::Point { .. })),
@@ -231,12 +235,14 @@ impl Needs {
                 .filter(|l| l.has_back() && !matches!(l.kind, LightKind::Hemisphere { .. }))
                 .count(),
             most_local_lights: most_local_lights(scene),
+            environment: EnvironmentNeed::of(scene).filter(|_| lit.is_some()),
             triangles: scene.triangle_count(),
             background: match scene.background {
                 Background::Black => None,
                 Background::Color(color) => Some(color.to_array()),
             },
             fog: scene.fog.filter(|fog| fog.density_per_m > 0.0 && !kinds.is_empty()),
+            lit,
             kinds,
         }
     }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::environment::TexelFormat;
+
 /// An enum whose variants have one spelling each, shared by the command line, reports and messages.
 macro_rules! named_enum {
     ($(#[$meta:meta])* $name:ident { $($(#[$vmeta:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
@@ -174,6 +176,8 @@ pub struct Options {
     pub depth_prepass: bool,
     /// Store the G-buffer too, so that it can be read back (for debugging and tests).
     pub keep_gbuffer: bool,
+    /// How an environment's radiance is stored, unless it was filtered already.
+    pub environment_format: TexelFormat,
 }
 
 impl Default for Options {
@@ -193,6 +197,7 @@ impl Default for Options {
             dither: false,
             depth_prepass: false,
             keep_gbuffer: false,
+            environment_format: TexelFormat::E5B9G9R9,
         }
     }
 }

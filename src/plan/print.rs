@@ -24,6 +24,7 @@ impl Display for Plan {
         for (stage, pipeline) in &self.pipelines {
             writeln!(f, "  {:<10} {}", self.subpass(*stage).2.name, self.pipeline_text(pipeline))?;
         }
+        self.print_around(f)?;
         self.print_ledger(f)
     }
 }
@@ -110,6 +111,21 @@ impl Plan {
             for why in &d.why {
                 writeln!(f, "      {why}")?;
             }
+        }
+        Ok(())
+    }
+
+    fn print_around(&self, f: &mut Formatter<'_>) -> Result {
+        if self.around.is_empty() {
+            return Ok(());
+        }
+        writeln!(f, "\nsampled for light from all around: {}", self.around.len())?;
+        for image in &self.around {
+            let [width, height] = image.size;
+            let shape = if image.faces == 6 { "cube " } else { "" };
+            let levels = if image.levels == 1 { String::new() } else { format!(", {} levels", image.levels) };
+            let (name, format, bytes, why) = (image.name, image.format, image.bytes, &image.why);
+            writeln!(f, "  {name:<10} {shape}{width}x{height}{levels}, {format}, {bytes} bytes; {why}")?;
         }
         Ok(())
     }

@@ -1,10 +1,12 @@
 //! Light of an environment: the integrals that [`crate::environment`] approximates.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
-use super::brdf::{MIN_N_DOT_V, alpha_from_roughness, v_smith_correlated};
+use super::brdf::{MIN_N_DOT_V, alpha_from_roughness, brdf, d_ggx, v_smith_correlated};
+use super::gbuffer::Attributes;
+use crate::environment::{Panorama, direction_from_uv, uv_from_direction};
 
 /// The factors a and b of f0 a + b, the part of uniform light that the specular lobe of glTF 2.0 appendix B reflects
 /// towards a viewer at this cosine: the integral of D V n·l, times F = f0 + (1 - f0) (1 - v·h)^5 split by f0.
@@ -15,31 +17,22 @@ pub fn split_sum(n_dot_v: f64, roughness: f64, rings: u32) -> [f64; 2] {
     let n_dot_v = n_dot_v.clamp(MIN_N_DOT_V, 1.0);
     let v = DVec3::new((1.0 - n_dot_v * n_dot_v).sqrt(), 0.0, n_dot_v);
     let alpha = alpha_from_roughness(roughness);
-    // Seen from where the distribution is a hemisphere.
-    let stretched = DVec3::new(alpha * v.x, 0.0, v.z).normalize();
-    let across = stretched.cross(DVec3::Y);
-    let masking = n_dot_v + (alpha * alpha + (1.0 - alpha * alpha) * n_dot_v * n_dot_v).sqrt();
     let sectors = rings / 2;
     let mut sums = [0.0; 2];
     for i in 0..rings * sectors {
         // Denser at the disk's rim, where the sphere above it is steep.
         let rim = 1.0 - (f64::from(i / sectors) + 0.5) / f64::from(rings);
-        let radius = (1.0 - rim * rim).sqrt();
         // Half a turn: the other half is its mirror image.
         let azimuth = PI * ((f64::from(i % sectors) + 0.5) / f64::from(sectors) - 0.5);
-        let (y, x) = (radius * azimuth.cos(), radius * azimuth.sin());
-        let visible = 0.5 * (1.0 + stretched.z);
-        let x = (1.0 - visible) * (1.0 - y * y).sqrt() + visible * x;
-        let up = (1.0 - x * x - y * y).max(0.0).sqrt();
-        let hemisphere = DVec3::Y * y + across * x + stretched * up;
-        let h = DVec3::new(alpha * hemisphere.x, alpha * hemisphere.y, hemisphere.z.max(0.0)).normalize();
+        let h = visible_normal(v, alpha, (1.0 - rim * rim).sqrt(), azimuth);
         let v_dot_h = v.dot(h);
         let n_dot_l = 2.0 * v_dot_h * h.z - n_dot_v;
         if n_dot_l <= 0.0 {
             continue;
         }
         // D V n·l over the density of l, D G1 / (4 n·v): both D cancel.
-        let lobe = 2.0 * v_smith_correlated(n_dot_l, n_dot_v, alpha) * n_dot_l * masking * 2.0 * rim;
+        let lobe =
+            2.0 * v_smith_correlated(n_dot_l, n_dot_v, alpha) * n_dot_l * masking(n_dot_v, alpha) * 2.0 * rim;
         let fresnel = (1.0 - v_dot_h).powi(5);
         sums[0] += lobe * (1.0 - fresnel);
         sums[1] += lobe * fresnel;
@@ -63,11 +56,140 @@ pub fn transmission(n_dot_v: f64, rings: u32) -> f64 {
     1.0 - lost / f64::from(rings * sectors)
 }
 
+/// The integral of BRDF, n·l and the radiance around a surface.
+///
+/// Directions are chosen in three ways, each of which finds light that the others miss: where the panorama is bright, where
+/// the lobe is high, and by n·l; they are weighted by the balance heuristic (Veach, "Robust Monte Carlo Methods for Light
+/// Transport Simulation", 1997, section 9.2). All are points of a Hammersley set, the same for every surface.
+pub struct Integrator {
+    samples: u32,
+    panorama: Option<(Panorama, Vec<f64>)>,
+}
+
+impl Integrator {
+    /// Of a panorama, if there is one, by `samples` directions for each way of choosing them.
+    pub fn new(panorama: Option<&Panorama>, samples: u32) -> Self {
+        Self { samples, panorama: panorama.map(|p| (p.clone(), cumulative(p))) }
+    }
+
+    /// What a surface reflects of light of radiance 1 from everywhere, and of the panorama's; directions are in the
+    /// panorama's space.
+    pub fn reflected(&self, surface: &Attributes, v: DVec3) -> [DVec3; 2] {
+        let n = surface.normal_world;
+        let (tangent, bitangent) = n.any_orthonormal_pair();
+        let world = |local: DVec3| tangent * local.x + bitangent * local.y + n * local.z;
+        let local_v = DVec3::new(v.dot(tangent), v.dot(bitangent), n.dot(v).max(MIN_N_DOT_V)).normalize();
+        let alpha = alpha_from_roughness(surface.roughness);
+        let mut sums = [DVec3::ZERO; 2];
+        for i in 0..self.samples {
+            let place = DVec2::new(
+                (f64::from(i) + 0.5) / f64::from(self.samples),
+                f64::from(i.reverse_bits()) / 4_294_967_296.0,
+            );
+            let (radius, azimuth) = (place.x.sqrt(), TAU * place.y);
+            let by_cosine =
+                DVec3::new(radius * azimuth.cos(), radius * azimuth.sin(), (1.0 - place.x).sqrt());
+            let h = visible_normal(local_v, alpha, radius, azimuth);
+            let by_lobe = h * (2.0 * local_v.dot(h)) - local_v;
+            let by_light =
+                self.panorama.as_ref().map(|(panorama, cumulative)| pick(panorama, cumulative, place));
+            for l in [Some(world(by_cosine)), Some(world(by_lobe)), by_light].into_iter().flatten() {
+                let n_dot_l = n.dot(l);
+                if n_dot_l <= 0.0 {
+                    continue;
+                }
+                let radiance = self.panorama.as_ref().map_or(DVec3::ZERO, |(p, _)| p.radiance(l));
+                let reflected = brdf(surface, n, v, l) * n_dot_l / self.density(local_v, alpha, n, v, l);
+                sums[0] += reflected;
+                sums[1] += reflected * radiance;
+            }
+        }
+        sums.map(|sum| sum / f64::from(self.samples))
+    }
+
+    /// Of all three ways together, per steradian.
+    fn density(&self, local_v: DVec3, alpha: f64, n: DVec3, v: DVec3, l: DVec3) -> f64 {
+        let h = (v + l).normalize_or_zero();
+        let by_cosine = n.dot(l) * FRAC_1_PI;
+        let by_lobe = d_ggx(n.dot(h).clamp(0.0, 1.0), n.cross(h), alpha) / (2.0 * masking(local_v.z, alpha));
+        let by_light =
+            self.panorama.as_ref().map_or(0.0, |(panorama, cumulative)| probability(panorama, cumulative, l));
+        by_cosine + by_lobe + by_light
+    }
+}
+
+/// n·v + sqrt(alpha² + (1 - alpha²) n·v²): G1 is 2 n·v over it (Heitz 2014, equation 43 with GGX's Lambda).
+fn masking(n_dot_v: f64, alpha: f64) -> f64 {
+    n_dot_v + (alpha * alpha + (1.0 - alpha * alpha) * n_dot_v * n_dot_v).sqrt()
+}
+
+/// A normal as seen from `v`, both around +Z (Heitz 2018, appendix A), for a place on the unit disk.
+fn visible_normal(v: DVec3, alpha: f64, radius: f64, azimuth: f64) -> DVec3 {
+    // Seen from where the distribution is a hemisphere.
+    let stretched = DVec3::new(alpha * v.x, alpha * v.y, v.z).normalize();
+    let first = DVec3::new(-stretched.y, stretched.x, 0.0).try_normalize().unwrap_or(DVec3::X);
+    let second = stretched.cross(first);
+    let (x, y) = (radius * azimuth.cos(), radius * azimuth.sin());
+    let visible = 0.5 * (1.0 + stretched.z);
+    let y = (1.0 - visible) * (1.0 - x * x).sqrt() + visible * y;
+    let up = (1.0 - x * x - y * y).max(0.0).sqrt();
+    let hemisphere = first * x + second * y + stretched * up;
+    DVec3::new(alpha * hemisphere.x, alpha * hemisphere.y, hemisphere.z.max(0.0)).normalize()
+}
+
+/// Sums of the texels' shares in the panorama's light, a tenth of it spread evenly so that no direction has none.
+fn cumulative(panorama: &Panorama) -> Vec<f64> {
+    let texels = panorama.texels();
+    let width = panorama.width() as usize;
+    let light: Vec<f64> = texels
+        .iter()
+        .enumerate()
+        .map(|(i, texel)| f64::from(texel.element_sum()) * solid_angle(panorama, i / width))
+        .collect();
+    let all = light.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    let share =
+        |(i, light): (usize, &f64)| 0.9 * light / all + 0.1 * solid_angle(panorama, i / width) / (4.0 * PI);
+    let sums = light.iter().enumerate().map(share).scan(0.0, |sum, share| {
+        *sum += share;
+        Some(*sum)
+    });
+    sums.collect()
+}
+
+/// Of a texel in this row, sr.
+fn solid_angle(panorama: &Panorama, row: usize) -> f64 {
+    let edge = |row: usize| (PI * row as f64 / f64::from(panorama.height())).cos();
+    (edge(row) - edge(row + 1)) * TAU / f64::from(panorama.width())
+}
+
+/// A direction where the panorama is bright.
+fn pick(panorama: &Panorama, cumulative: &[f64], place: DVec2) -> DVec3 {
+    let last = cumulative[cumulative.len() - 1];
+    let texel = cumulative.partition_point(|sum| *sum <= place.x * last).min(cumulative.len() - 1);
+    let before = if texel == 0 { 0.0 } else { cumulative[texel - 1] };
+    let within = (place.x * last - before) / (cumulative[texel] - before);
+    let width = panorama.width() as usize;
+    let (column, row) = (texel % width, texel / width);
+    // Even in solid angle: in the cosine from the row's upper edge to its lower one.
+    let edge = |row: usize| (PI * row as f64 / f64::from(panorama.height())).cos();
+    let cos = edge(row) + (edge(row + 1) - edge(row)) * within.clamp(0.0, 1.0);
+    direction_from_uv([(column as f64 + place.y) / width as f64, cos.clamp(-1.0, 1.0).acos() / PI])
+}
+
+/// Of [`pick`], per steradian.
+fn probability(panorama: &Panorama, cumulative: &[f64], l: DVec3) -> f64 {
+    let [u, v] = uv_from_direction(l);
+    let index = |place: f64, count: u32| ((place * f64::from(count)) as usize).min(count as usize - 1);
+    let (column, row) = (index(u, panorama.width()), index(v, panorama.height()));
+    let texel = row * panorama.width() as usize + column;
+    let before = if texel == 0 { 0.0 } else { cumulative[texel - 1] };
+    (cumulative[texel] - before) / cumulative[cumulative.len() - 1] / solid_angle(panorama, row)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::environment::split_sum as table;
-    use crate::reference::gbuffer::Attributes;
     use crate::reference::testing::directional_albedo;
     use rayon::prelude::*;
 

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::around::{Around, Method};
 use super::fog::fogged;
 use super::gbuffer::{Attributes, attributes, interpolate};
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
@@ -28,6 +29,8 @@ pub struct Settings {
     pub light_target: bool,
     /// What exposed light is multiplied by in the light target.
     pub light_scale: f64,
+    /// How light from all around is evaluated.
+    pub around: Method,
 }
 
 impl Default for Settings {
@@ -39,6 +42,7 @@ impl Default for Settings {
             layout: None,
             light_target: false,
             light_scale: 1.0,
+            around: Method::default(),
         }
     }
 }
@@ -108,6 +112,7 @@ impl Frame {
 pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
     let view = View::new(camera, settings.size);
     let visibility = Visibility::new(scene);
+    let around = Around::new(scene, settings.around);
     let [width, height] = settings.size;
 
     let centers = Lattice::trace(&visibility, &view, [width, height], 0.5);
@@ -119,7 +124,7 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
             return Pixel { edge, ..finish(scene, &view, settings, Attributes::default(), DVec3::ZERO) };
         };
         let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
-        let exact = attributes(&visibility, &view, position_world, hit);
+        let exact = attributes(&visibility, &around, &view, position_world, hit);
         let light_factor = settings.exposure() * settings.light_scale;
         let surface = match settings.layout {
             Some(layout) => quantise(layout, &exact, &view, [x, y], light_factor),

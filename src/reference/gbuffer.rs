@@ -2,7 +2,7 @@
 
 use glam::{DVec3, DVec4, Vec4};
 
-use super::ambient::light_ambient;
+use super::around::Around;
 use super::texture::{self, Encoding};
 use super::view::View;
 use super::visibility::{Hit, Visibility};
@@ -151,7 +151,13 @@ fn normal_world(visibility: &Visibility, hit: &Hit, surface: &Interpolated) -> D
 }
 
 /// The surface at a hit as the geometry stage would write it, without quantisation.
-pub fn attributes(visibility: &Visibility, view: &View, position_world: DVec3, hit: &Hit) -> Attributes {
+pub fn attributes(
+    visibility: &Visibility,
+    around: &Around,
+    view: &View,
+    position_world: DVec3,
+    hit: &Hit,
+) -> Attributes {
     let surface = interpolate(visibility, hit);
     let material = surface.material;
     let base_color = base_color(visibility, hit, &surface).truncate();
@@ -175,8 +181,7 @@ pub fn attributes(visibility: &Visibility, view: &View, position_world: DVec3, h
     // glTF 2.0 section 3.9.3: 1 + strength * (sample - 1).
     let occlusion = texel(&material.occlusion_texture, Encoding::Linear).x;
     let occlusion = 1.0 + f64::from(material.occlusion_strength) * (occlusion - 1.0);
-    let n_dot_v = attributes.normal_world.dot(view.to_viewer(position_world));
-    let ambient_nt = visibility.scene.ambient_nt.as_dvec3();
-    attributes.prelit = emission + light_ambient(&attributes, n_dot_v, ambient_nt, occlusion);
+    let to_viewer = view.to_viewer(position_world);
+    attributes.prelit = emission + around.reflected(&attributes, to_viewer, occlusion);
     attributes
 }

@@ -3,7 +3,8 @@
 //! Everything here is computed from [`scene`](crate::scene) and the choices in [`plan`](crate::plan), and from
 //! nothing that a GPU does: visibility by rays through pixel centres ([`visibility`]), surfaces by
 //! interpolation at the hit ([`gbuffer`]), light by the formulas of glTF 2.0 ([`brdf`], [`punctual`],
-//! [`ambient`], [`mod@shade`]), fog between it and the viewer ([`fog`]), the display by the curve's own definition ([`mod@tonemap`]). Functions carry the
+//! [`around`], [`mod@shade`]), fog between it and the viewer ([`fog`]), the display by the curve's own definition
+//! ([`mod@tonemap`]). Functions carry the
 //! names of their counterparts in `glsl/`, and each term names its source, so that the two can be read side by
 //! side.
 //!
@@ -17,7 +18,7 @@
 //! without mip levels or a driver's filter precision ([`texture`]), which [`shade_gbuffer`] avoids by shading
 //! attributes that a GPU wrote; and there are no shadows.
 
-pub mod ambient;
+pub mod around;
 pub mod brdf;
 mod bvh;
 pub mod environment;

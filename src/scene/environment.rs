@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 
 use crate::Result;
-use crate::environment::{self, Content, Panorama, Prefiltered};
+use crate::environment::{self, Cache, Content, Panorama, Prefiltered, TexelFormat};
 
 /// Radiance that arrives from each direction alike everywhere.
 #[derive(Clone, Debug)]
@@ -48,6 +48,17 @@ impl Environment {
             Content::Prefiltered(prefiltered) => (None, Some(Arc::new(prefiltered))),
         };
         Ok(Self { name, panorama, prefiltered, rotation_deg: 0.0, intensity: 1.0 })
+    }
+
+    /// Filters the panorama, or reads what `cache` has of it, unless something was made of it already or nothing is needed.
+    ///
+    /// # Panics
+    /// If `face_size` is none of [`environment::FACE_SIZES`].
+    pub fn prefilter(&mut self, face_size: u32, format: TexelFormat, cache: Option<&Cache>) {
+        if self.prefiltered.is_none() && !self.is_dark() {
+            let made = self.panorama.as_ref().map(|p| environment::cached(p, face_size, format, cache));
+            self.prefiltered = made.map(Arc::new);
+        }
     }
 
     /// Whether it adds nothing anywhere.

@@ -48,6 +48,8 @@ pub struct Scene {
     pub images: Vec<Image>,
     /// Lights without extent.
     pub lights: Vec<Light>,
+    /// Whether `lights` are those that [`Scene::load`] adds where a file has none.
+    pub has_default_lights: bool,
     /// Radiance that arrives from every direction alike, in cd/m², linear Rec.709. Zero means none.
     pub ambient_nt: Vec3,
     /// Diffuse light that was computed ahead for the surfaces of instances that have a part of it.

@@ -4,6 +4,7 @@ use ontile::glam::{DVec3, DVec4};
 use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{Layout, Needs, Options, OutputFormat, Path, Plan, Tonemap};
+use ontile::reference::around::Method;
 use ontile::reference::{Settings, Stored};
 use ontile::scene::{Camera, Scene};
 
@@ -121,6 +122,7 @@ impl Gpu {
             layout: None,
             light_target,
             light_scale: if light_target { f64::from(layout.light_scale()) } else { 1.0 },
+            around: Method::Prefiltered(plan.options.environment_format),
         };
         let mut offscreen = Offscreen::new(device, scene, plan, RendererConfig::default(), &self.cache)
             .expect("a renderer can be made");

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod around;
 mod error;
 mod exact;
 mod files;

@@ -263,10 +263,10 @@ impl Reflection {
                         let index = decoration(Decoration::InputAttachmentIndex);
                         compare(&name, "input attachment index", index, input);
                     }
-                    None => resource(
-                        "SET_MATERIAL",
-                        format!("BINDING_{}", name.replace("material_", "").to_uppercase()),
-                    ),
+                    None => match upper("material_") {
+                        Some(texture) => resource("SET_MATERIAL", format!("BINDING_{texture}")),
+                        None => resource("SET_FRAME", format!("BINDING_{}", name.to_uppercase())),
+                    },
                 },
                 StorageClass::Input | StorageClass::Output if decoration(Decoration::Location).is_some() => {
                     let without_space = name.trim_end_matches("_world").to_uppercase();

@@ -6,7 +6,7 @@ use super::super::descriptor::Binding;
 use super::super::shader::shared;
 use super::super::{Device, Owned};
 use crate::Result;
-use crate::plan::{Pipeline, Plan};
+use crate::plan::{Around, Pipeline, Plan};
 
 /// Pipelines that take the same descriptor sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,9 +31,12 @@ const FRAME: u32 = shared("BINDING_FRAME");
 const INSTANCES: u32 = shared("BINDING_INSTANCES");
 const LIGHTS: u32 = shared("BINDING_LIGHTS");
 const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
+const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
+const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
+const RADIANCE: u32 = shared("BINDING_RADIANCE");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 4] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 7] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -41,6 +44,9 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 4] = {
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
         (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
         (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
+        (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
     ]
 };
 
@@ -57,6 +63,14 @@ impl Family {
             Pipeline::Lighting => &[FRAME, LIGHTS],
             Pipeline::Tonemap => &[FRAME],
         };
+        let around: &[u32] = match pipeline {
+            Pipeline::Surface(kind) => match kind.around {
+                Around::Nothing => &[],
+                Around::Ambient => &[SPLIT_SUM],
+                Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
+            },
+            Pipeline::Depth(_) | Pipeline::Lighting | Pipeline::Tonemap => &[],
+        };
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
             Pipeline::Surface(kind) | Pipeline::Depth(kind) => {
@@ -66,7 +80,7 @@ impl Family {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
-        Self { frame: frame.iter().fold(0, |bits, binding| bits | 1 << binding), second }
+        Self { frame: frame.iter().chain(around).fold(0, |bits, binding| bits | 1 << binding), second }
     }
 
     /// Whether the second set is a material's.

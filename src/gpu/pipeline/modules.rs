@@ -3,6 +3,7 @@
 use super::super::shader::{
     GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
 };
+use crate::environment::TexelFormat;
 use crate::plan::{Pipeline, Plan, SurfaceKind};
 
 /// Vertex and fragment shader of a pipeline, and what the latter is specialised with; solid depth has no fragment shader.
@@ -34,19 +35,22 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 color: kind.vertex_color,
             };
             let mask = kind.alpha_mask.then_some(Module::Mask { textured });
-            return (vertex, mask, surface_constants(kind).specialization());
+            return (vertex, mask, surface_constants(plan, kind).specialization());
         }
         Pipeline::Surface(kind) => {
             let textured = kind.textures != 0;
-            let constants = surface_constants(kind).specialization();
+            let constants = surface_constants(plan, kind).specialization();
             let vertex = vertex_module(kind);
             if plan.has_gbuffer() {
                 let light_target = plan.has_light_target();
-                (vertex, Module::GeometryFragment { layout, light_target, textured }, constants)
+                let around = kind.around;
+                (vertex, Module::GeometryFragment { layout, light_target, textured, around }, constants)
             } else if kind.unlit {
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
-                (vertex, Module::Forward { textured, clusters }, constants.and(lighting.specialization()))
+                let around = kind.around;
+                let module = Module::Forward { textured, clusters, around };
+                (vertex, module, constants.and(lighting.specialization()))
             }
         }
         Pipeline::Lighting => {
@@ -69,7 +73,7 @@ fn vertex_module(kind: &SurfaceKind) -> Module {
     }
 }
 
-fn surface_constants(kind: &SurfaceKind) -> GeometryConstants {
+fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
     let slot = |slot: usize| {
         kind.texture_index(slot).map(|index| TextureSlot {
             slot: index as u32,
@@ -84,6 +88,6 @@ fn surface_constants(kind: &SurfaceKind) -> GeometryConstants {
         unlit: kind.unlit,
         vertex_color: kind.vertex_color,
         emissive: kind.emissive,
-        ambient: kind.ambient,
+        rgbm: plan.environment_texels().is_some_and(|(format, _)| format == TexelFormat::Rgbm),
     }
 }

@@ -60,8 +60,8 @@ pub struct GeometryConstants {
     pub vertex_color: bool,
     /// The surface emits light.
     pub emissive: bool,
-    /// The scene has ambient light.
-    pub ambient: bool,
+    /// Radiance is stored as RGBM.
+    pub rgbm: bool,
 }
 
 impl GeometryConstants {
@@ -96,7 +96,7 @@ impl GeometryConstants {
             (const { shared("ID_UNLIT") }, self.unlit.into()),
             (const { shared("ID_VERTEX_COLOR") }, self.vertex_color.into()),
             (const { shared("ID_EMISSIVE") }, self.emissive.into()),
-            (const { shared("ID_AMBIENT") }, self.ambient.into()),
+            (const { shared("ID_RGBM") }, self.rgbm.into()),
         ])
     }
 }

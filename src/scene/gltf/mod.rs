@@ -37,7 +37,18 @@ use pose::Skin;
 /// World coordinates beyond this (metres) would overflow f32 where lengths are squared.
 const MAX_COORDINATE_M: f32 = 1e15;
 
+/// What [`Scene::warnings`] say of lights that no file has.
+const DEFAULT_LIGHTS: &str = "scene: it has no lights; a default key and fill light were added";
+
 impl Scene {
+    /// Takes away the lights that [`Self::load`] added because the file has none: for a scene that is lit otherwise.
+    pub fn drop_default_lights(&mut self) {
+        if std::mem::take(&mut self.has_default_lights) {
+            self.lights.clear();
+            self.warnings.retain(|warning| warning != DEFAULT_LIGHTS);
+        }
+    }
+
     /// Loads a glTF 2.0 file (`.gltf` or `.glb`) with the buffers and images that it uses.
     ///
     /// The scene is the file's default one (else the first, else all nodes), as it stands without animations:
@@ -98,7 +109,8 @@ fn load(doc: &Document) -> Result<Scene> {
     let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
     if scene.lights.is_empty() && is_lit && scene.lightmap.is_none() {
         scene.lights = defaults::lights(&scene.cameras[0]);
-        scene.warnings.push("scene: it has no lights; a default key and fill light were added".into());
+        scene.has_default_lights = true;
+        scene.warnings.push(DEFAULT_LIGHTS.into());
     }
     Ok(scene)
 }

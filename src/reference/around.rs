@@ -1,0 +1,249 @@
+//! Light that arrives from all around, reflected.
+
+use glam::DVec3;
+
+use super::brdf::{DIELECTRIC_F0, MIN_N_DOT_V};
+use super::environment::Integrator;
+use super::gbuffer::Attributes;
+use crate::environment::{DEFAULT_FACE_SIZE, Lookup, Prefiltered, TexelFormat, split_sum};
+use crate::scene::{Environment, Scene};
+
+/// How light from all around is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// As a renderer does it: the split-sum table, prefiltered radiance, spherical harmonics. The environment is filtered
+    /// into this format unless the scene brings it filtered.
+    Prefiltered(TexelFormat),
+    /// The integral of BRDF, n·l and radiance, by this many directions for each of three ways to choose them. Wants a
+    /// panorama.
+    Integral {
+        /// Directions a way.
+        samples: u32,
+    },
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self::Prefiltered(TexelFormat::E5B9G9R9)
+    }
+}
+
+/// What is around a scene's surfaces, made ready for look-ups.
+pub struct Around<'a> {
+    ambient_nt: DVec3,
+    environment: Option<&'a Environment>,
+    way: Way,
+}
+
+enum Way {
+    Prefiltered(Option<Lookup>),
+    Integral(Integrator),
+}
+
+impl<'a> Around<'a> {
+    /// Of a scene.
+    ///
+    /// # Panics
+    /// If the environment has no panorama where one is needed.
+    pub fn new(scene: &'a Scene, method: Method) -> Self {
+        let environment = scene.environment.as_ref().filter(|e| !e.is_dark());
+        let panorama = |e: &'a Environment| e.panorama.as_deref().expect("the environment has a panorama");
+        let way = match method {
+            Method::Prefiltered(format) => Way::Prefiltered(environment.map(|e| match &e.prefiltered {
+                Some(prefiltered) => Lookup::new(prefiltered),
+                None => Lookup::new(&Prefiltered::new(panorama(e), DEFAULT_FACE_SIZE, format)),
+            })),
+            Method::Integral { samples } => {
+                Way::Integral(Integrator::new(environment.map(panorama), samples))
+            }
+        };
+        Self { ambient_nt: scene.ambient_nt.as_dvec3(), environment, way }
+    }
+
+    /// What a lit surface reflects towards the viewer, cd/m²; `to_viewer` is of unit length, world space, and `occlusion`
+    /// the share of this light that arrives.
+    pub fn reflected(&self, surface: &Attributes, to_viewer: DVec3, occlusion: f64) -> DVec3 {
+        let (n, v) = (surface.normal_world, to_viewer);
+        match &self.way {
+            Way::Prefiltered(lookup) => {
+                let (mut diffuse_nt, mut specular_nt) = (self.ambient_nt, self.ambient_nt);
+                if let (Some(lookup), Some(environment)) = (lookup, self.environment) {
+                    let intensity = f64::from(environment.intensity);
+                    let local = |d| environment.environment_from_world(d);
+                    diffuse_nt += lookup.irradiance(local(n)) * intensity;
+                    let direction = dominant_direction(n, v, surface.roughness);
+                    specular_nt += lookup.radiance(local(direction), surface.roughness) * intensity;
+                }
+                light_around(surface, n.dot(v), diffuse_nt, specular_nt, occlusion)
+            }
+            Way::Integral(integrator) => {
+                let local = |d| self.environment.map_or(d, |e| e.environment_from_world(d));
+                let turned = Attributes { normal_world: local(n), ..*surface };
+                let [ambient, environment] = integrator.reflected(&turned, local(v));
+                let intensity = self.environment.map_or(0.0, |e| f64::from(e.intensity));
+                (ambient * self.ambient_nt + environment * intensity) * occlusion
+            }
+        }
+    }
+}
+
+/// Where the lobe of a rough surface takes most of its light from: between the mirror direction and the normal. Not of unit
+/// length. (Lagarde and de Rousiers, "Moving Frostbite to Physically Based Rendering", 2014, section 4.9.3, listing 21.)
+/// Without it the error under a sky, root mean square over surfaces and views, is 0.20 of the mean instead of 0.06.
+pub fn dominant_direction(n: DVec3, v: DVec3, roughness: f64) -> DVec3 {
+    let alpha = roughness * roughness;
+    let smoothness = 1.0 - alpha;
+    let mirrored = n * (2.0 * n.dot(v)) - v;
+    n.lerp(mirrored, smoothness * (smoothness.sqrt() + alpha))
+}
+
+/// Light from all around towards the viewer in cd/m²: `diffuse_nt` is irradiance over pi, `specular_nt` radiance around the
+/// mirror direction, blurred for the roughness; `occlusion` is the share of it that arrives.
+///
+/// Exact where light is the same from everywhere, else Karis' split sum (2013).
+pub fn light_around(
+    surface: &Attributes,
+    n_dot_v: f64,
+    diffuse_nt: DVec3,
+    specular_nt: DVec3,
+    occlusion: f64,
+) -> DVec3 {
+    let n_dot_v = n_dot_v.clamp(MIN_N_DOT_V, 1.0);
+    let f0 = DVec3::splat(DIELECTRIC_F0).lerp(surface.base_color, surface.metallic);
+    let [a, b] = split_sum::look_up(n_dot_v, surface.roughness);
+    let base = (1.0 - surface.metallic) * (1.0 - DIELECTRIC_F0) * split_sum::transmission(n_dot_v);
+    (diffuse_nt * surface.base_color * base + specular_nt * (f0 * a + b)) * occlusion
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::environment::{Panorama, direction_from_uv};
+    use crate::reference::testing::direction;
+    use glam::Vec3;
+    use std::sync::Arc;
+
+    fn surface(metallic: f64, roughness: f64, base_color: DVec3) -> Attributes {
+        Attributes {
+            lit: true,
+            metallic,
+            roughness,
+            base_color,
+            normal_world: DVec3::Z,
+            ..Attributes::default()
+        }
+    }
+
+    fn surfaces() -> Vec<Attributes> {
+        let colors = [DVec3::ONE, DVec3::new(0.8, 0.3, 0.1), DVec3::ZERO];
+        let mut all = Vec::new();
+        for (i, roughness) in [0.0, 0.15, 0.3, 0.45, 0.6, 0.7, 0.8, 0.9, 1.0].into_iter().enumerate() {
+            for metallic in [0.0, 0.5, 1.0] {
+                all.push(surface(metallic, roughness, colors[(i + (metallic * 2.0) as usize) % 3]));
+            }
+        }
+        all
+    }
+
+    fn scene(panorama: Panorama, face_size: u32) -> Scene {
+        let prefiltered = Prefiltered::new(&panorama, face_size, TexelFormat::Rgba16F);
+        let environment = Environment {
+            prefiltered: Some(Arc::new(prefiltered)),
+            rotation_deg: 30.0,
+            intensity: 0.5,
+            ..Environment::new("test", panorama)
+        };
+        Scene { environment: Some(environment), ..Scene::default() }
+    }
+
+    #[test]
+    fn uniform_light_is_reflected_as_the_integral_says() {
+        /// The table's error, and the integral's by 3 x 4096 directions.
+        const MOST: f64 = 6e-3;
+        let white = Panorama::new(16, 8, vec![Vec3::splat(2.0); 128]).unwrap();
+        let from_environment = scene(white, 16);
+        let ambient = Scene { ambient_nt: Vec3::ONE, ..Scene::default() };
+        let truth = Around::new(&ambient, Method::Integral { samples: 4096 });
+        for surface in surfaces() {
+            for n_dot_v in [0.1, 0.5, 1.0] {
+                let v = direction(n_dot_v, 0.3);
+                let truth = truth.reflected(&surface, v, 1.0);
+                for scene in [&from_environment, &ambient] {
+                    let split = Around::new(scene, Method::default()).reflected(&surface, v, 1.0);
+                    assert!(
+                        (split - truth).abs().max_element() < MOST,
+                        "{surface:?} {n_dot_v}: {split} {truth}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_furnace_shows_no_more_than_it_holds() {
+        // White metal in white light: single scattering loses light where it is rough, nothing adds any; where it is smooth,
+        // it shows all of it. (Dielectrics show up to 1.8 of it at grazing angles: in glTF's mix, light that the coat reflects
+        // there is not taken from the body.)
+        let ambient = Scene { ambient_nt: Vec3::ONE, ..Scene::default() };
+        let around = Around::new(&ambient, Method::default());
+        let shown = |metallic, roughness, n_dot_v| {
+            around.reflected(&surface(metallic, roughness, DVec3::ONE), direction(n_dot_v, 0.0), 1.0).x
+        };
+        for roughness in [0.0, 0.1, 0.3, 0.6, 1.0] {
+            for n_dot_v in [0.02, 0.2, 0.6, 1.0] {
+                assert!(shown(1.0, roughness, n_dot_v) < 1.001, "{roughness} {n_dot_v}");
+            }
+        }
+        assert!((shown(1.0, 0.0, 1.0) - 1.0).abs() < 1e-3);
+        assert!((shown(0.0, 0.0, 1.0) - 1.0).abs() < 1e-3);
+        // A diffuse body alone: its light times what its coat lets through, 0.96 when facing.
+        let body = light_around(&surface(0.0, 1.0, DVec3::ONE), 1.0, DVec3::ONE, DVec3::ZERO, 1.0).x;
+        assert!((body - 0.96).abs() < 1e-4, "{body}");
+    }
+
+    #[test]
+    fn occlusion_and_radiance_scale_it() {
+        let dim = Scene { ambient_nt: Vec3::new(2.0, 0.0, 1.0), ..Scene::default() };
+        let white = Scene { ambient_nt: Vec3::ONE, ..Scene::default() };
+        let (s, v) = (surface(0.0, 0.4, DVec3::splat(0.5)), direction(0.7, 0.0));
+        for method in [Method::default(), Method::Integral { samples: 64 }] {
+            let full = Around::new(&white, method).reflected(&s, v, 1.0);
+            let part = Around::new(&dim, method).reflected(&s, v, 0.25);
+            assert!((part - full * DVec3::new(0.5, 0.0, 0.25)).length() < 1e-12);
+        }
+    }
+
+    /// What the split sum and the harmonics cost, by what surrounds the surface: relative to the mean of the truth over all
+    /// surfaces and views, root mean square and worst.
+    #[test]
+    fn the_split_sum_costs_what_it_is_said_to() {
+        let sky = |sun: f32| {
+            let texel = |i: u32| {
+                let d = direction_from_uv([f64::from(i % 128) / 128.0, (f64::from(i / 128) + 0.5) / 64.0]);
+                let base = if d.y > 0.0 { Vec3::new(0.4, 0.6, 1.0) } else { Vec3::new(0.2, 0.15, 0.1) };
+                let lit = d.dot(DVec3::new(0.5, 0.6, 0.62).normalize()) > 0.996;
+                base * (1.2 + d.x as f32) + if lit { Vec3::splat(sun) } else { Vec3::ZERO }
+            };
+            Panorama::new(128, 64, (0..128 * 64).map(texel).collect()).unwrap()
+        };
+        // Suns of 0 and of half the sky's light.
+        for (sun, rms_bound, worst_bound) in [(0.0, 0.08, 0.4), (300.0, 0.4, 2.0)] {
+            let scene = scene(sky(sun), 64);
+            let split = Around::new(&scene, Method::default());
+            let truth = Around::new(&scene, Method::Integral { samples: 4096 });
+            let mut pairs = Vec::new();
+            for surface in surfaces().into_iter().filter(|s| s.roughness > 0.1) {
+                for (n_dot_v, azimuth) in [(0.2, 0.0), (0.5, 2.0), (0.8, 4.0), (1.0, 0.0)] {
+                    let v = direction(n_dot_v, azimuth);
+                    pairs.push((split.reflected(&surface, v, 1.0), truth.reflected(&surface, v, 1.0)));
+                }
+            }
+            let mean = pairs.iter().map(|(_, t)| t.element_sum()).sum::<f64>() / (3 * pairs.len()) as f64;
+            let error = |(s, t): &(DVec3, DVec3)| (*s - *t).abs().max_element() / mean;
+            let rms = (pairs.iter().map(|p| error(p).powi(2)).sum::<f64>() / pairs.len() as f64).sqrt();
+            let worst = pairs.iter().map(error).fold(0.0, f64::max);
+            println!("split sum against the integral, sun {sun}: rms {rms:.3}, worst {worst:.3} of the mean");
+            assert!(rms < rms_bound && worst < worst_bound, "sun {sun}: {rms} {worst}");
+        }
+    }
+}
