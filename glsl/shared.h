@@ -14,6 +14,9 @@
 #define BINDING_SPLIT_SUM 8
 #define BINDING_ENVIRONMENT 9
 #define BINDING_RADIANCE 10
+#define BINDING_LIGHTMAP_RECTS 11
+#define BINDING_LIGHTMAP_COLOR 12
+#define BINDING_LIGHTMAP_SCALE 13
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 
@@ -36,6 +39,7 @@
 #define VARYING_TEXCOORD 1
 #define VARYING_TANGENT 2
 #define VARYING_COLOR 3
+#define VARYING_LIGHTMAP 4
 
 // Colour output locations: of geometry, and of the subpasses with one output.
 #define TARGET_DEPTH 0
@@ -78,6 +82,7 @@
 #define ID_FOG_DENSITY 31
 #define ID_FOG_BASE 32
 #define ID_FOG_INVERSE_HEIGHT 33
+#define ID_LIGHTMAP_UNIT 34
 #define ID_RGBM 40
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.

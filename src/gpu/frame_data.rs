@@ -18,6 +18,8 @@ pub(super) struct FrameData {
     pub(super) uniforms: Buffer,
     /// `None` if nothing is drawn.
     pub(super) instances: Option<Buffer>,
+    /// The parts of the lightmap of `instances`; `None` if the plan has no lightmap.
+    pub(super) lightmap_rects: Option<Buffer>,
     pub(super) lights: Buffer,
     /// `None` if the plan has no light lists.
     pub(super) clusters: Option<Buffer>,
@@ -49,10 +51,12 @@ impl FrameData {
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let instances =
             (objects > 0).then(|| buffer("instances", objects * size_of::<InstanceData>(), storage));
+        let rects = plan.needs.lightmap.map(|_| buffer("lightmap parts", objects * size_of::<[f32; 4]>(), storage));
         let clusters = plan.clusters.map(|c| buffer("clusters", c.bytes as usize, storage));
         Ok(Self {
             uniforms: buffer("frame", size_of::<FrameUniforms>(), uniform)?,
             instances: instances.transpose()?,
+            lightmap_rects: rects.transpose()?,
             // A buffer cannot be empty, but a scene can be without lights; then no shader reads what is here.
             lights: buffer("lights", lights.max(1) * size_of::<LightData>(), storage)?,
             clusters: clusters.transpose()?,
@@ -72,7 +76,9 @@ impl FrameData {
         let mut uniforms = view.uniforms(plan, size, ambient_nt);
         let frustum = cull.then(|| Frustum::new(&glam::Mat4::from_cols_array_2d(&uniforms.clip_from_world)));
         let instances = self.instances.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
-        let seen_objects = objects.write_visible(frustum.as_ref(), instances.unwrap_or_default());
+        let rects = self.lightmap_rects.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
+        let seen_objects =
+            objects.write_visible(frustum.as_ref(), instances.unwrap_or_default(), rects.unwrap_or_default());
         let light_list = bytemuck::cast_slice_mut(self.lights.mapped_mut());
         let counts = lights.write_visible(frustum.as_ref(), light_list, light_lists.reaches_mut());
         uniforms.light_counts = counts;
@@ -89,7 +95,7 @@ impl FrameData {
     /// Size of the memory.
     pub(super) fn allocated_bytes(&self) -> u64 {
         let always = [&self.uniforms, &self.lights].into_iter();
-        let buffers = always.chain(&self.instances).chain(&self.clusters);
+        let buffers = always.chain(&self.instances).chain(&self.lightmap_rects).chain(&self.clusters);
         buffers.map(Buffer::allocated_bytes).sum()
     }
 }

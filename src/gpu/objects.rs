@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::convert;
 use super::shared::InstanceData;
-use crate::plan::{Around, Pipeline, Plan, SurfaceKind};
+use crate::plan::{Pipeline, Plan, SceneKinds, SurfaceKind};
 use crate::scene::{Aabb, Instance, Scene};
 use crate::visible::Frustum;
 use crate::{Error, Result};
@@ -30,6 +30,8 @@ pub(super) struct Batch {
 /// An instance that has triangles.
 struct Placed {
     data: InstanceData,
+    /// Its part of the lightmap: origin and size.
+    lightmap: [f32; 4],
     bounds_world: Aabb,
     bounds_object: Aabb,
     mirrored: bool,
@@ -60,7 +62,7 @@ pub(super) struct Objects {
 impl Objects {
     /// Sorts by pipeline, material and mesh, so that state changes are few and equal meshes become one draw.
     pub(super) fn new(scene: &Scene, plan: &Plan) -> Self {
-        let around = Around::of(scene);
+        let kinds = SceneKinds::new(scene);
         let mut order: Vec<_> = scene
             .instances
             .iter()
@@ -68,9 +70,7 @@ impl Objects {
             .filter(|(_, instance)| scene.is_drawn(instance))
             .map(|(index, instance)| {
                 let mesh = &scene.meshes[instance.mesh];
-                let kind =
-                    SurfaceKind::new(mesh, &scene.materials[mesh.material], instance.is_mirrored(), around);
-                let wanted = Pipeline::Surface(kind);
+                let wanted = Pipeline::Surface(SurfaceKind::new(&kinds, instance));
                 let pipeline = plan.pipelines.iter().position(|(_, p)| *p == wanted);
                 (pipeline.expect("the plan was made for this scene"), mesh.material, instance.mesh, index)
             })
@@ -88,6 +88,7 @@ impl Objects {
             elements[index].placed = Some(first);
             placed.push(Placed {
                 data: convert::instance(&instance.world_from_object),
+                lightmap: instance.lightmap.map_or([0.0; 4], |r| [r.origin.x, r.origin.y, r.size.x, r.size.y]),
                 bounds_world: bounds_object.transformed(&instance.world_from_object),
                 bounds_object,
                 mirrored: instance.is_mirrored(),
@@ -158,14 +159,22 @@ impl Objects {
     }
 
     /// Writes what the view sees (everything without a view), batch by batch without gaps, and tells each batch where
-    /// its objects are. Returns how many they are.
-    pub(super) fn write_visible(&mut self, view: Option<&Frustum>, out: &mut [InstanceData]) -> usize {
+    /// its objects are. Returns how many they are. `lightmaps` gets their parts of the lightmap, if it is not empty.
+    pub(super) fn write_visible(
+        &mut self,
+        view: Option<&Frustum>,
+        out: &mut [InstanceData],
+        lightmaps: &mut [[f32; 4]],
+    ) -> usize {
         let mut end = 0;
         for batch in &mut self.batches {
             let first = end;
             for object in &self.placed[batch.placed.clone()] {
                 if !view.is_some_and(|view| view.misses_aabb(&object.bounds_world)) {
                     out[end] = object.data;
+                    if let Some(lightmap) = lightmaps.get_mut(end) {
+                        *lightmap = object.lightmap;
+                    }
                     end += 1;
                 }
             }

@@ -181,6 +181,7 @@ impl SceneData {
                 let buffer = match binding {
                     b if b == const { shared("BINDING_FRAME") } => Some(&frame.uniforms),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
+                    b if b == const { shared("BINDING_LIGHTMAP_RECTS") } => frame.lightmap_rects.as_ref(),
                     b if b == const { shared("BINDING_CLUSTERS") } => frame.clusters.as_ref(),
                     _ => Some(&frame.lights),
                 };

@@ -6,7 +6,7 @@
 mod specialization;
 
 pub use specialization::{
-    GeometryConstants, LightingConstants, OutputConstants, Specialization, TextureSlot,
+    GeometryConstants, LightingConstants, OutputConstants, SkyConstants, Specialization, TextureSlot,
 };
 
 use crate::plan::{Around, Layout};
@@ -77,6 +77,8 @@ pub enum Module {
         tangent: bool,
         /// Vertex colours.
         color: bool,
+        /// A part of the lightmap for each instance. Needs a normal and a texcoord.
+        lightmap: bool,
     },
     /// Writes the G-buffer.
     GeometryFragment {
@@ -88,6 +90,8 @@ pub enum Module {
         textured: bool,
         /// What arrives from all around; nothing without a light target.
         around: Around,
+        /// Whether a lightmap brings the diffuse light; it needs a light target.
+        lightmap: bool,
     },
     /// Writes the output directly, where nothing is lit.
     Unlit {
@@ -102,6 +106,8 @@ pub enum Module {
         clusters: bool,
         /// What arrives from all around.
         around: Around,
+        /// Whether a lightmap brings the diffuse light.
+        lightmap: bool,
     },
     /// Keeps nothing of a surface but what its alpha mask leaves.
     Mask {
@@ -119,6 +125,11 @@ pub enum Module {
     Tonemap {
         /// Whether fog lies between, so that depth is read too.
         fog: bool,
+    },
+    /// Draws the environment where no surface is.
+    Sky {
+        /// The G-buffer that it says "not lit" in, with a light target; without one it writes the output.
+        layout: Option<Layout>,
     },
     /// One triangle over the whole image.
     Fullscreen,
@@ -139,29 +150,38 @@ impl Module {
     /// Every module that exists.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
-        for attributes in 0..16 {
+        for attributes in 0..32 {
             let has = |bit: u32| attributes >> bit & 1 == 1;
-            let (normal, texcoord, tangent, color) = (has(0), has(1), has(2), has(3));
-            if !tangent || (normal && texcoord) {
-                all.push(Self::GeometryVertex { normal, texcoord, tangent, color });
+            let (normal, texcoord, tangent, color, lightmap) = (has(0), has(1), has(2), has(3), has(4));
+            if !(tangent || lightmap) || (normal && texcoord) {
+                all.push(Self::GeometryVertex { normal, texcoord, tangent, color, lightmap });
             }
         }
         for &layout in Layout::ALL {
             for textured in [false, true] {
-                let module =
-                    |light_target, around| Self::GeometryFragment { layout, light_target, textured, around };
-                all.push(module(false, Around::Nothing));
-                all.extend(AROUND.map(|around| module(true, around)));
+                let module = |light_target, around, lightmap| Self::GeometryFragment {
+                    layout,
+                    light_target,
+                    textured,
+                    around,
+                    lightmap,
+                };
+                all.push(module(false, Around::Nothing, false));
+                for lightmap in [false, true] {
+                    all.extend(AROUND.map(|around| module(true, around, lightmap)));
+                }
             }
+            all.push(Self::Sky { layout: Some(layout) });
             all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
-        for (textured, clusters) in [(false, false), (false, true), (true, false), (true, true)] {
-            all.extend(AROUND.map(|around| Self::Forward { textured, clusters, around }));
+        for flags in 0..8 {
+            let (textured, clusters, lightmap) = (flags & 1 != 0, flags & 2 != 0, flags & 4 != 0);
+            all.extend(AROUND.map(|around| Self::Forward { textured, clusters, around, lightmap }));
         }
         all.extend([false, true].map(|textured| Self::Mask { textured }));
         all.extend([false, true].map(|fog| Self::Tonemap { fog }));
-        all.push(Self::Fullscreen);
+        all.extend([Self::Sky { layout: None }, Self::Fullscreen]);
         all
     }
 
@@ -169,33 +189,39 @@ impl Module {
     pub fn name(self) -> String {
         let suffix = |has: bool, text: &'static str| if has { text } else { "" };
         match self {
-            Self::GeometryVertex { normal: false, texcoord: false, tangent: false, color: false } => {
+            Self::GeometryVertex { normal: false, texcoord: false, tangent: false, color: false, .. } => {
                 "geometry_p.vert".into()
             }
-            Self::GeometryVertex { normal, texcoord, tangent, color } => format!(
-                "geometry_{}{}{}{}.vert",
+            Self::GeometryVertex { normal, texcoord, tangent, color, lightmap } => format!(
+                "geometry_{}{}{}{}{}.vert",
                 suffix(normal, "n"),
                 suffix(texcoord, "u"),
                 suffix(tangent, "t"),
                 suffix(color, "c"),
+                suffix(lightmap, "l"),
             ),
-            Self::GeometryFragment { layout, light_target, textured, around } => format!(
-                "geometry_{layout}{}{}{}.frag",
+            Self::GeometryFragment { layout, light_target, textured, around, lightmap } => format!(
+                "geometry_{layout}{}{}{}{}.frag",
                 suffix(light_target, "_light"),
                 suffix(textured, "_textured"),
                 around_suffix(around),
+                suffix(lightmap, "_lightmap"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
             Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured, clusters, around } => {
-                let clusters = suffix(clusters, "_clusters");
-                let textured = suffix(textured, "_textured");
-                format!("forward{clusters}{textured}{}.frag", around_suffix(around))
-            }
+            Self::Forward { textured, clusters, around, lightmap } => format!(
+                "forward{}{}{}{}.frag",
+                suffix(clusters, "_clusters"),
+                suffix(textured, "_textured"),
+                around_suffix(around),
+                suffix(lightmap, "_lightmap"),
+            ),
             Self::Lighting { layout, clusters } => {
                 format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
             }
             Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
+            Self::Sky { layout: None } => "sky.frag".into(),
+            Self::Sky { layout: Some(layout) } => format!("sky_{layout}.frag"),
             Self::Fullscreen => "fullscreen.vert".into(),
         }
     }
@@ -210,6 +236,7 @@ impl Module {
             Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap { .. } => "tonemap.frag",
+            Self::Sky { .. } => "sky.frag",
             Self::Fullscreen => "fullscreen.vert",
         }
     }
@@ -223,7 +250,8 @@ impl Module {
             | Self::Forward { .. }
             | Self::Mask { .. }
             | Self::Lighting { .. }
-            | Self::Tonemap { .. } => Stage::Fragment,
+            | Self::Tonemap { .. }
+            | Self::Sky { .. } => Stage::Fragment,
         }
     }
 
@@ -237,31 +265,35 @@ impl Module {
             defines.iter().filter(|(wanted, _)| *wanted).map(|(_, define)| *define).collect()
         };
         match self {
-            Self::GeometryVertex { normal, texcoord, tangent, color } => chosen(&[
+            Self::GeometryVertex { normal, texcoord, tangent, color, lightmap } => chosen(&[
                 (normal, "HAS_NORMAL"),
                 (texcoord, "HAS_TEXCOORD"),
                 (tangent, "HAS_TANGENT"),
                 (color, "HAS_COLOR"),
+                (lightmap, "LIGHTMAP"),
             ]),
-            Self::GeometryFragment { layout, light_target, textured, around } => chosen(&[
+            Self::GeometryFragment { layout, light_target, textured, around, lightmap } => chosen(&[
                 (true, layout_define(layout)),
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
+                (lightmap, "LIGHTMAP"),
             ]),
             Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Forward { textured, clusters, around } => chosen(&[
+            Self::Forward { textured, clusters, around, lightmap } => chosen(&[
                 (textured, "TEXTURED"),
                 (clusters, "CLUSTERS"),
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
+                (lightmap, "LIGHTMAP"),
             ]),
             Self::Lighting { layout, clusters } => {
                 chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
             }
             Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
-            Self::Fullscreen => Vec::new(),
+            Self::Sky { layout: Some(layout) } => vec![layout_define(layout), "LIGHT_TARGET"],
+            Self::Sky { layout: None } | Self::Fullscreen => Vec::new(),
         }
     }
 

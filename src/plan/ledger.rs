@@ -261,6 +261,7 @@ impl Plan {
             }
             P::Lighting if self.folded => format!("lighting, {} tone curve{around}", self.options.tonemap),
             P::Lighting => "lighting".into(),
+            P::Sky => format!("sky, {}", if self.has_gbuffer() { "not lit" } else { "tone-mapped as drawn" }),
             P::Tonemap => format!("tonemap, {} curve{around}", self.options.tonemap),
         }
     }

@@ -13,6 +13,7 @@ mod budget;
 mod derive;
 mod format;
 mod layout;
+mod lightmap;
 mod ledger;
 mod lights;
 mod needs;
@@ -31,6 +32,7 @@ pub use ledger::{
     AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
 };
 pub use lights::ClusterBudget;
+pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
 pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Strategy, Tonemap};
@@ -198,6 +200,8 @@ pub enum Pipeline {
     Surface(SurfaceKind),
     /// Draws the depth of surfaces, as [`SurfaceKind::depth`] sorts them.
     Depth(SurfaceKind),
+    /// Draws the environment where no surface is.
+    Sky,
     /// Shades the G-buffer.
     Lighting,
     /// Applies the tone curve.
@@ -215,7 +219,7 @@ impl Pipeline {
         match self {
             Self::Surface(own) => own == kind,
             Self::Depth(own) => *own == kind.depth(),
-            Self::Lighting | Self::Tonemap => false,
+            Self::Sky | Self::Lighting | Self::Tonemap => false,
         }
     }
 }
@@ -389,7 +393,8 @@ fn pipelines(frame: &stage::Frame, needs: &Needs) -> Vec<(usize, Pipeline)> {
     let surfaces = needs.kinds.iter().map(|n| (surface, Pipeline::Surface(n.kind)));
     let lighting = stage("lighting").map(|s| (s, Pipeline::Lighting));
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
-    depths.chain(surfaces).chain(lighting).chain(tonemap).collect()
+    let sky = needs.sky.then_some((surface, Pipeline::Sky));
+    depths.chain(surfaces).chain(sky).chain(lighting).chain(tonemap).collect()
 }
 
 fn notes(

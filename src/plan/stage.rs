@@ -95,7 +95,7 @@ impl Frame {
         };
         let mut stages = Vec::new();
         let mut depth_uses = Vec::new();
-        if needs.triangles > 1 {
+        if needs.triangles > 1 || (needs.sky && needs.triangles > 0) {
             let target = Target {
                 name: "depth_test",
                 format: Format::D32Float,
@@ -103,7 +103,10 @@ impl Frame {
                 used_bits: 32,
                 clear: Some([0.0; 4]),
             };
-            let depth = add(&target, false, format!("{} triangles hide each other", needs.triangles));
+            let mut why = Vec::new();
+            why.extend((needs.triangles > 1).then(|| format!("{} triangles hide each other", needs.triangles)));
+            why.extend(needs.sky.then(|| "the sky is behind surfaces".into()));
+            let depth = add(&target, false, why.join(", "));
             if options.depth_prepass {
                 let why = "what is nearest is found first, so that no pixel is shaded twice".into();
                 stages.push(Stage { name: "depth", uses: vec![(depth, Use::Depth)], why });

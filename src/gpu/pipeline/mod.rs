@@ -120,9 +120,13 @@ impl Builder<'_> {
         let (kind, input) = match pipeline {
             Pipeline::Surface(kind) => (Some(kind), VertexInput::new(kind)?),
             Pipeline::Depth(kind) => (Some(kind), VertexInput::of_depth(kind)?),
-            Pipeline::Lighting | Pipeline::Tonemap => (None, VertexInput::default()),
+            Pipeline::Sky | Pipeline::Lighting | Pipeline::Tonemap => (None, VertexInput::default()),
         };
-        let state = FixedState::new(plan.subpass(stage).2, kind);
+        let subpass = plan.subpass(stage).2;
+        let state = match pipeline {
+            Pipeline::Sky => FixedState::sky(subpass),
+            _ => FixedState::new(subpass, kind),
+        };
         self.create(&stages, &input, &state, place, &plan.pipeline_text(pipeline))
     }
 

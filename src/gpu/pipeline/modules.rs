@@ -1,7 +1,7 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
+    GeometryConstants, LightingConstants, Module, OutputConstants, SkyConstants, Specialization, TextureSlot,
 };
 use crate::environment::TexelFormat;
 use crate::plan::{Pipeline, Plan, SurfaceKind};
@@ -33,25 +33,32 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 texcoord: textured,
                 tangent: false,
                 color: kind.vertex_color,
+                lightmap: false,
             };
             let mask = kind.alpha_mask.then_some(Module::Mask { textured });
             return (vertex, mask, surface_constants(plan, kind).specialization());
         }
         Pipeline::Surface(kind) => {
-            let textured = kind.textures != 0;
+            let (textured, lightmap) = (kind.textures != 0, kind.has_lightmap());
             let constants = surface_constants(plan, kind).specialization();
             let vertex = vertex_module(kind);
             if plan.has_gbuffer() {
                 let light_target = plan.has_light_target();
                 let around = kind.around;
-                (vertex, Module::GeometryFragment { layout, light_target, textured, around }, constants)
+                let module = Module::GeometryFragment { layout, light_target, textured, around, lightmap };
+                (vertex, module, constants)
             } else if kind.unlit {
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
                 let around = kind.around;
-                let module = Module::Forward { textured, clusters, around };
+                let module = Module::Forward { textured, clusters, around, lightmap };
                 (vertex, module, constants.and(lighting.specialization()))
             }
+        }
+        Pipeline::Sky => {
+            let layout = plan.has_gbuffer().then_some(layout);
+            let constants = SkyConstants { rgbm: is_rgbm(plan), output };
+            (Module::Fullscreen, Module::Sky { layout }, constants.specialization())
         }
         Pipeline::Lighting => {
             (Module::Fullscreen, Module::Lighting { layout, clusters }, lighting.specialization())
@@ -67,9 +74,10 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
 fn vertex_module(kind: &SurfaceKind) -> Module {
     Module::GeometryVertex {
         normal: !kind.unlit,
-        texcoord: kind.textures != 0,
+        texcoord: kind.reads_texcoords(),
         tangent: kind.needs_tangents(),
         color: kind.vertex_color,
+        lightmap: kind.has_lightmap(),
     }
 }
 
@@ -88,6 +96,11 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
         unlit: kind.unlit,
         vertex_color: kind.vertex_color,
         emissive: kind.emissive,
-        rgbm: plan.environment_texels().is_some_and(|(format, _)| format == TexelFormat::Rgbm),
+        rgbm: is_rgbm(plan),
+        lightmap_unit_lx: plan.needs.lightmap.map_or(1.0, |map| map.unit_lx),
     }
+}
+
+fn is_rgbm(plan: &Plan) -> bool {
+    plan.environment_texels().is_some_and(|(format, _)| format == TexelFormat::Rgbm)
 }

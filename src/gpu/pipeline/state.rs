@@ -17,14 +17,15 @@ pub(super) struct VertexInput {
 
 impl VertexInput {
     pub(super) fn new(kind: &SurfaceKind) -> Result<Self> {
-        Self::of(kind, |_| true)
+        Self::of(kind, |stream| stream != StreamKind::Texcoords || kind.reads_texcoords())
     }
 
     /// What depth and masks need; the rest may be bound and is not read.
     pub(super) fn of_depth(kind: &SurfaceKind) -> Result<Self> {
         Self::of(kind, |stream| match stream {
             StreamKind::Position => true,
-            StreamKind::Texcoords | StreamKind::Color => kind.alpha_mask,
+            StreamKind::Texcoords => kind.alpha_mask && kind.textures != 0,
+            StreamKind::Color => kind.alpha_mask,
             StreamKind::Normal | StreamKind::Tangent => false,
         })
     }
@@ -62,6 +63,15 @@ pub(super) struct FixedState {
 }
 
 impl FixedState {
+    /// A full-screen triangle at the far plane, seen where nothing is before it.
+    pub(super) fn sky(subpass: &crate::plan::Subpass) -> Self {
+        let state = Self::new(subpass, None);
+        let at_clear_depth = |depth: vk::PipelineDepthStencilStateCreateInfo<'static>| {
+            depth.depth_write_enable(false).depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL)
+        };
+        Self { depth: state.depth.map(at_clear_depth), ..state }
+    }
+
     pub(super) fn new(subpass: &crate::plan::Subpass, kind: Option<&SurfaceKind>) -> Self {
         let cull = match kind {
             Some(kind) if !kind.double_sided => vk::CullModeFlags::BACK,

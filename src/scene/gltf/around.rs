@@ -2,7 +2,7 @@
 //!
 //! | `extras.ontile` | on | value |
 //! |---|---|---|
-//! | `background` | the file | `"#RRGGBB"` ([`Background::Color`]) |
+//! | `background` | the file | `"#RRGGBB"` ([`Background::Color`]) or `"environment"` |
 //! | `fog` | the file | `{"density": number, "color": [r, g, b], "base": number, "scale": number}`; the last two belong together and may be left out ([`Fog`]) |
 //! | `lightmap` | the file | `{"color_image": index, "scale_image": index, "unit_lx": number}` ([`Lightmap`]) |
 //! | `lightmap` | nodes | `[x, y, width, height]`, texture coordinates ([`LightmapRect`]); `false`: it shall have none |
@@ -26,9 +26,12 @@ pub fn read_background(doc: &Document) -> Result<Background> {
     let extras = file(doc)?;
     let Some(extra) = extras.get("background") else { return Ok(Background::default()) };
     let text = extra.text()?;
+    if text == "environment" {
+        return Ok(Background::Environment);
+    }
     Background::from_hex(text).ok_or_else(|| {
         let problem = format!("is '{}'", source::shortened(text));
-        extra.bad(problem, "write a colour as six hexadecimal digits: #87ceeb")
+        extra.bad(problem, "write environment, or a colour as six hexadecimal digits: #87ceeb")
     })
 }
 
