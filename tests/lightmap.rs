@@ -270,7 +270,7 @@ fn what_cannot_be_baked_is_explained() {
 #[test]
 fn bad_extras_are_refused() {
     let node = |value: Value| ("/nodes/0/extras", json!({"ontile": {"lightmap": value}}));
-    let root = |key: &str, value: Value| ("/extras", json!({"ontile": {key: value}}));
+    let root = |key: &str, value: Value| ("/scenes/0/extras", json!({"ontile": {key: value}}));
     let cases = [
         (node(json!(true)), "nodes[0].extras.ontile.lightmap"),
         (node(json!([0, 0, 1])), "nodes[0].extras.ontile.lightmap"),
@@ -297,7 +297,7 @@ fn bad_extras_are_refused() {
     }
     let mut fine = sunny();
     let fog = json!({"density": 0.5, "color": [1, 2, 3], "base": -1, "scale": 4});
-    *fine.at("/extras") = json!({"ontile": {"background": "#010203", "fog": fog}, "other": [1]});
+    *fine.at("/scenes/0/extras") = json!({"ontile": {"background": "#010203", "fog": fog}, "other": [1]});
     let scene = fine.load().unwrap();
     let fog = scene.fog.unwrap();
     assert_eq!((fog.density_per_m, fog.color_nt), (0.5, Vec3::new(1.0, 2.0, 3.0)));

@@ -98,8 +98,7 @@ pub fn prepare(path: &Path, density: Density) -> Result<Prepared> {
     edit.replace_vertices(&replacements)?;
     let mut scene = edit.scene()?;
     let light_nodes = edit.light_nodes()?;
-    // Lights that a scene without any gets are no part of it.
-    scene.lights.truncate(light_nodes.len());
+    scene.drop_default_lights();
     let fixed = light_nodes.into_iter().zip(&scene.lights).filter(|(_, light)| !light.dynamic);
     let static_light_nodes = fixed.map(|(node, _)| node).collect();
     Ok(Prepared { scene, size, texels_per_metre, edit, static_light_nodes })
@@ -119,7 +118,7 @@ impl Prepared {
         let color = self.edit.add_png("lightmap colour", &color);
         let scale = self.edit.add_png("lightmap scale", &scale);
         let extra = json!({"color_image": color, "scale_image": scale, "unit_lx": lightmap.unit_lx});
-        self.edit.set_extra("", "lightmap", extra);
+        self.edit.set_scene_extra("lightmap", extra);
         for node in self.static_light_nodes {
             self.edit.set_extra(&format!("/nodes/{node}"), "baked", json!(true));
         }

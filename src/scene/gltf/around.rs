@@ -1,10 +1,10 @@
-//! What the file's extras say of the scene as a whole, and the part of nodes in its lightmap.
+//! What extras say of the scene as a whole, and the part of nodes in its lightmap.
 //!
 //! | `extras.ontile` | on | value |
 //! |---|---|---|
-//! | `background` | the file | `"#RRGGBB"` ([`Background::Color`]) or `"environment"` |
-//! | `fog` | the file | `{"density": number, "color": [r, g, b], "base": number, "scale": number}`; the last two belong together and may be left out ([`Fog`]) |
-//! | `lightmap` | the file | `{"color_image": index, "scale_image": index, "unit_lx": number}` ([`Lightmap`]) |
+//! | `background` | the scene | `"#RRGGBB"` ([`Background::Color`]) or `"environment"` |
+//! | `fog` | the scene | `{"density": number, "color": [r, g, b], "base": number, "scale": number}`; the last two belong together and may be left out ([`Fog`]) |
+//! | `lightmap` | the scene | `{"color_image": index, "scale_image": index, "unit_lx": number}` ([`Lightmap`]) |
 //! | `lightmap` | nodes | `[x, y, width, height]`, texture coordinates ([`LightmapRect`]); `false`: it shall have none |
 //! | `dynamic` | nodes | `true` or `false` ([`Instance::dynamic`](crate::scene::Instance::dynamic)) |
 
@@ -17,13 +17,8 @@ use super::{image, node, source};
 use crate::Result;
 use crate::scene::{Background, Fog, FogHeight, Lightmap, LightmapRect};
 
-/// What may be said of the file.
-fn file<'a>(doc: &'a Document<'a>) -> Result<Extras<'a>> {
-    Extras::read(doc, &[(&doc.root.extras, "file".into())], &["background", "fog", "lightmap"])
-}
-
 pub fn read_background(doc: &Document) -> Result<Background> {
-    let extras = file(doc)?;
+    let extras = node::extras_of_scene(doc)?;
     let Some(extra) = extras.get("background") else { return Ok(Background::default()) };
     let text = extra.text()?;
     if text == "environment" {
@@ -44,7 +39,7 @@ fn needed<'e, 'a>(all: &'e Extras<'a>, whole: &Extra, name: &str) -> Result<&'e 
 }
 
 pub fn read_fog(doc: &Document) -> Result<Option<Fog>> {
-    let extras = file(doc)?;
+    let extras = node::extras_of_scene(doc)?;
     let Some(whole) = extras.get("fog") else { return Ok(None) };
     let fog = whole.object(&["density", "color", "base", "scale"])?;
     let height = match (fog.get("base"), fog.get("scale")) {
@@ -65,7 +60,7 @@ pub fn read_fog(doc: &Document) -> Result<Option<Fog>> {
 }
 
 pub fn read_lightmap(doc: &Document) -> Result<Option<Lightmap>> {
-    let extras = file(doc)?;
+    let extras = node::extras_of_scene(doc)?;
     let Some(whole) = extras.get("lightmap") else { return Ok(None) };
     let parts = whole.object(&["color_image", "scale_image", "unit_lx"])?;
     let unit_lx = needed(&parts, whole, "unit_lx")?.number(" above 0", |v| v > 0.0)?;

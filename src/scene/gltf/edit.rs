@@ -177,7 +177,25 @@ impl Edit {
         self.push("images", json!({"name": name, "bufferView": view, "mimeType": "image/png"}))
     }
 
-    /// Sets a value of the `ontile` object in the extras of the element at a JSON pointer (the file itself: empty).
+    /// Sets a value of the `ontile` object in the extras of the scene that is drawn.
+    pub fn set_scene_extra(&mut self, key: &str, value: Value) {
+        if !self.json["scenes"].is_array() {
+            // Without scenes all roots are drawn.
+            let nodes = self.json["nodes"].as_array().into_iter().flatten();
+            let children: Vec<_> = nodes
+                .clone()
+                .filter_map(|n| n["children"].as_array())
+                .flatten()
+                .filter_map(Value::as_u64)
+                .collect();
+            let roots: Vec<_> = (0..nodes.count() as u64).filter(|i| !children.contains(i)).collect();
+            self.json["scenes"] = json!([{"nodes": roots}]);
+        }
+        let index = self.json["scene"].as_u64().unwrap_or(0);
+        self.set_extra(&format!("/scenes/{index}"), key, value);
+    }
+
+    /// Sets a value of the `ontile` object in the extras of the element at a JSON pointer.
     pub fn set_extra(&mut self, pointer: &str, key: &str, value: Value) {
         let Some(mut object) = self.json.pointer_mut(pointer) else { return };
         for name in ["extras", "ontile"] {

@@ -12,6 +12,9 @@ use crate::{Error, Result};
 pub const OF_NODES: [&str; 9] =
     ["shadow", "dynamic", "priority", "back_color", "ground_color", "box", "globe_map", "baked", "lightmap"];
 
+/// What may be said of scenes: [`super::environment`], [`super::around`].
+pub const OF_SCENES: [&str; 4] = ["environment", "background", "fog", "lightmap"];
+
 /// The members of an object that are known to be meant for this program.
 pub struct Extras<'a> {
     members: BTreeMap<String, Extra<'a>>,
@@ -85,6 +88,10 @@ impl<'a> Extra<'a> {
         Ok(Extras { members: values.iter().map(member).collect::<Result<_>>()? })
     }
 
+    pub fn text(&self) -> Result<&str> {
+        self.value.as_str().ok_or_else(|| self.must_be("a text"))
+    }
+
     pub fn bool(&self) -> Result<bool> {
         self.value.as_bool().ok_or_else(|| self.must_be("true or false"))
     }
@@ -125,10 +132,6 @@ impl<'a> Extra<'a> {
             .and_then(|list| list.iter().enumerate().map(index).collect::<Option<Vec<_>>>());
         let indices = indices.and_then(|list| list.try_into().ok());
         indices.ok_or_else(|| self.must_be(&format!("a list of {N} indices")))
-    }
-
-    pub fn text(&self) -> Result<&str> {
-        self.value.as_str().ok_or_else(|| self.must_be("a text"))
     }
 
     /// Its path in the file.

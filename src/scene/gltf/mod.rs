@@ -9,6 +9,7 @@ mod around;
 mod defaults;
 mod document;
 pub(crate) mod edit;
+mod environment;
 mod extras;
 mod image;
 mod light;
@@ -55,8 +56,8 @@ impl Scene {
     /// morph targets at their default weights, skins at rest. Only what is drawn is kept. Normals and tangents
     /// are made where a material needs them and the file has none (flat ones; MikkTSpace).
     ///
-    /// A file without a camera gets one named `default` that shows everything. A file without lights gets, if
-    /// anything in it can be lit, a key light of 3 lx over the right shoulder of camera 0 and a fill light of
+    /// A file without a camera gets one named `default` that shows everything. A file without lights and environment gets,
+    /// if anything in it can be lit, a key light of 3 lx over the right shoulder of camera 0 and a fill light of
     /// 0.8 lx from its lower left. [`Scene::warnings`] tells what was left out, replaced or added.
     ///
     /// # Errors
@@ -106,8 +107,10 @@ fn load(doc: &Document) -> Result<Scene> {
     if scene.cameras.is_empty() {
         scene.cameras.push(defaults::camera(bounds));
     }
+    scene.environment = environment::read_environment(doc)?;
     let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
-    if scene.lights.is_empty() && is_lit && scene.lightmap.is_none() {
+    let has_light = !scene.lights.is_empty() || scene.environment.is_some() || scene.lightmap.is_some();
+    if is_lit && !has_light {
         scene.lights = defaults::lights(&scene.cameras[0]);
         scene.has_default_lights = true;
         scene.warnings.push(DEFAULT_LIGHTS.into());

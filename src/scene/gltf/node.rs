@@ -138,6 +138,13 @@ fn local_transform(doc: &Document, index: usize) -> Result<DMat4> {
     Ok(DMat4::from_scale_rotation_translation(scale, rotation, translation))
 }
 
+/// What the extras of the scene that is drawn say: see [`super::environment`] and [`super::around`].
+pub fn extras_of_scene<'a>(doc: &'a Document<'a>) -> Result<Extras<'a>> {
+    let index = doc.root.scene.map_or(0, |scene| scene.value());
+    let scene = doc.root.scenes.get(index).map(|scene| (&scene.extras, format!("scenes[{index}]")));
+    Extras::read(doc, scene.as_slice(), &extras::OF_SCENES)
+}
+
 /// What the extras of a node say: see [`super::light`] and [`super::around`].
 pub fn extras<'a>(doc: &'a Document<'a>, node: usize) -> Result<Extras<'a>> {
     Extras::read(doc, &[(&doc.root.nodes[node].extras, format!("nodes[{node}]"))], &extras::OF_NODES)

@@ -118,7 +118,8 @@ fn decode_data_uri(rest: &str) -> Result<Vec<u8>, String> {
     }
 }
 
-fn beside(path: &Path, uri: &str) -> Result<PathBuf, String> {
+/// The file that a relative URI names.
+pub fn beside(path: &Path, uri: &str) -> Result<PathBuf, String> {
     let scheme = uri.split_once(':').map(|(scheme, _)| scheme).filter(|s| !s.contains('/'));
     if scheme.is_some() || uri.starts_with("//") {
         return Err(format!(
