@@ -12,43 +12,59 @@ const float DIELECTRIC_F0 = 0.04;
 // At grazing angles interpolated and quantised normals may face away from the viewer.
 const float MIN_N_DOT_V = 1e-4;
 
-// GGX (Trowbridge and Reitz 1975; Walter et al. 2007, equation 33). 1 - (n.h)^2 is taken as |n x h|^2, since the
-// difference cancels where the lobe of a smooth surface is steepest. No microfacet faces below the surface. f is
-// at least a2 for any unit h; the bound stands in for h = 0, when the light shines straight at the viewer.
-float d_ggx(float n_dot_h, vec3 n_cross_h, float alpha) {
-    float a2 = alpha * alpha;
-    float f = max(n_dot_h * n_dot_h * a2 + dot(n_cross_h, n_cross_h), a2);
-    return float(n_dot_h > 0.0) * a2 / (PI * f * f);
+// What is the same for all lights on a surface seen from `v`.
+struct Reflector {
+    vec3 n;
+    float n_dot_v;
+    vec3 v;
+    float a2;       // alpha^2
+    vec3 diffuse;   // of the dielectric part, without the share that the surface reflects
+    float lambda_v; // the viewer's square root of v_smith_correlated
+    vec3 f0;        // Fresnel reflectance at normal incidence, dielectric and metal mixed
+    vec3 f_rise;    // from there to grazing incidence
+};
+
+// glTF 2.0, B.2 mixes the dielectric's (1 - F_d) base / pi + F_d D V and the metal's F_m D V by metallicness. Schlick's F is
+// linear in f0, so both shares of D V become one, and 1 - F_d = (1 - f0) (1 - m^5).
+Reflector reflector(Surface surface, vec3 v) {
+    float roughness = max(surface.roughness, MIN_ROUGHNESS);
+    float a2 = roughness * roughness * (roughness * roughness);
+    float n_dot_v = clamp(dot(surface.normal_world, v), MIN_N_DOT_V, 1.0);
+    float dielectric = 1.0 - surface.metallic;
+    vec3 f0 = mix(vec3(DIELECTRIC_F0), surface.base_color, surface.metallic);
+    return Reflector(surface.normal_world, n_dot_v, v, a2,
+        surface.base_color * (dielectric * (1.0 - DIELECTRIC_F0) / PI),
+        sqrt(n_dot_v * n_dot_v * (1.0 - a2) + a2), f0, 1.0 - f0);
+}
+
+// GGX (Trowbridge and Reitz 1975; Walter et al. 2007, equation 33) for h = half_way / |half_way|, which is never normalised:
+// both terms of the denominator scale with its square. 1 - (n.h)^2 is taken as |n x h|^2, since the difference cancels where
+// the lobe of a smooth surface is steepest. No microfacet faces below the surface. The denominator is at least a2 for any
+// unit h; the bound stands in for half_way = 0, when the light shines straight at the viewer.
+float d_ggx(vec3 n, vec3 half_way, float half_way_squared, float a2) {
+    const float least = 1e-30;
+    float n_dot_h = dot(n, half_way);
+    vec3 n_cross_h = cross(n, half_way);
+    float f = max(n_dot_h * n_dot_h * a2 + dot(n_cross_h, n_cross_h), a2 * half_way_squared + least);
+    float ratio = half_way_squared / f;
+    return n_dot_h > 0.0 ? a2 / PI * (ratio * ratio) : 0.0;
 }
 
 // G / (4 (n.l) (n.v)), height-correlated Smith (Heitz 2014, equation 99). With n.v >= MIN_N_DOT_V and
 // alpha >= MIN_ROUGHNESS^2 the denominator is at least 2e-7, also where n.l = 0.
-float v_smith_correlated(float n_dot_l, float n_dot_v, float alpha) {
-    float a2 = alpha * alpha;
-    float lambda_v = n_dot_l * sqrt(n_dot_v * n_dot_v * (1.0 - a2) + a2);
-    float lambda_l = n_dot_v * sqrt(n_dot_l * n_dot_l * (1.0 - a2) + a2);
-    return 0.5 / (lambda_v + lambda_l);
+float v_smith_correlated(float n_dot_l, Reflector r) {
+    float lambda_l = sqrt(n_dot_l * n_dot_l * (1.0 - r.a2) + r.a2);
+    return 0.5 / (n_dot_l * r.lambda_v + r.n_dot_v * lambda_l);
 }
 
-// Schlick 1994, equation 15, with f90 = 1.
-vec3 f_schlick(vec3 f0, float v_dot_h) {
-    float m = 1.0 - v_dot_h;
+// Per steradian, towards r.v of light from l, a unit vector with n.l = n_dot_l; the caller multiplies by that and the light.
+vec3 brdf(Reflector r, vec3 l, float n_dot_l) {
+    vec3 half_way = r.v + l;
+    float half_way_squared = dot(half_way, half_way);
+    // Schlick 1994, equation 15, with f90 = 1; |v + l| = 2 (v.h).
+    float m = max(1.0 - 0.5 * sqrt(half_way_squared), 0.0);
     float m2 = m * m;
-    return f0 + (1.0 - f0) * (m2 * m2 * m);
-}
-
-// Per steradian; the caller multiplies by n.l and the light. B.2: dielectric and metal mixed by metallicness.
-vec3 brdf(Surface surface, vec3 n, vec3 v, vec3 l) {
-    float roughness = max(surface.roughness, MIN_ROUGHNESS);
-    float alpha = roughness * roughness;
-    vec3 h = unit(v + l);
-    float n_dot_l = clamp(dot(n, l), 0.0, 1.0);
-    float n_dot_v = clamp(dot(n, v), MIN_N_DOT_V, 1.0);
-    float n_dot_h = clamp(dot(n, h), 0.0, 1.0);
-    float v_dot_h = clamp(dot(v, h), 0.0, 1.0);
-
-    float specular = d_ggx(n_dot_h, cross(n, h), alpha) * v_smith_correlated(n_dot_l, n_dot_v, alpha);
-    vec3 dielectric = mix(surface.base_color / PI, vec3(specular), f_schlick(vec3(DIELECTRIC_F0), v_dot_h));
-    vec3 metal = specular * f_schlick(surface.base_color, v_dot_h);
-    return mix(dielectric, metal, surface.metallic);
+    float m5 = m2 * m2 * m;
+    float specular = d_ggx(r.n, half_way, half_way_squared, r.a2) * v_smith_correlated(n_dot_l, r);
+    return r.diffuse * (1.0 - m5) + specular * (r.f0 + r.f_rise * m5);
 }

@@ -16,8 +16,8 @@ layout(set = SET_FRAME, binding = BINDING_INSTANCES, std430) readonly buffer Ins
 
 #ifdef LIGHTMAP
 // The instance's part of the lightmap: where TEXCOORD_1 = (0, 0) lies, and from there to (1, 1).
-layout(set = SET_FRAME, binding = BINDING_LIGHTMAP_RECTS, std430) readonly buffer LightmapRects {
-    vec4 lightmap_rects[];
+layout(set = SET_FRAME, binding = BINDING_LIGHTMAPS, std430) readonly buffer Lightmaps {
+    vec4 lightmaps[];
 };
 #endif
 
@@ -93,7 +93,7 @@ void main() {
 #endif
 
 #ifdef LIGHTMAP
-    vec4 rect = lightmap_rects[gl_InstanceIndex];
+    vec4 rect = lightmaps[gl_InstanceIndex];
     varying_lightmap = rect.xy + attribute_texcoord.zw * rect.zw;
 #endif
 }

@@ -14,9 +14,10 @@
 #define BINDING_SPLIT_SUM 8
 #define BINDING_ENVIRONMENT 9
 #define BINDING_RADIANCE 10
-#define BINDING_LIGHTMAP_RECTS 11
+#define BINDING_LIGHTMAPS 11
 #define BINDING_LIGHTMAP_COLOR 12
 #define BINDING_LIGHTMAP_SCALE 13
+#define BINDING_VOLUMES 4
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 
@@ -39,7 +40,8 @@
 #define VARYING_TEXCOORD 1
 #define VARYING_TANGENT 2
 #define VARYING_COLOR 3
-#define VARYING_LIGHTMAP 4
+#define VARYING_LIGHT 4
+#define VARYING_LIGHTMAP 5
 
 // Colour output locations: of geometry, and of the subpasses with one output.
 #define TARGET_DEPTH 0
@@ -71,18 +73,19 @@
 #define ID_HAS_BOX 20
 #define ID_HAS_HEMISPHERE 21
 #define ID_HAS_BACK 22
-#define ID_BACKGROUND 23
-#define ID_BACKGROUND_RED 24
-#define ID_BACKGROUND_GREEN 25
-#define ID_BACKGROUND_BLUE 26
-#define ID_FOG 27
-#define ID_FOG_RED 28
-#define ID_FOG_GREEN 29
-#define ID_FOG_BLUE 30
-#define ID_FOG_DENSITY 31
-#define ID_FOG_BASE 32
-#define ID_FOG_INVERSE_HEIGHT 33
-#define ID_LIGHTMAP_UNIT 34
+#define ID_VOLUME_SHAPE 23
+#define ID_BACKGROUND 24
+#define ID_BACKGROUND_RED 25
+#define ID_BACKGROUND_GREEN 26
+#define ID_BACKGROUND_BLUE 27
+#define ID_FOG 28
+#define ID_FOG_RED 29
+#define ID_FOG_GREEN 30
+#define ID_FOG_BLUE 31
+#define ID_FOG_DENSITY 32
+#define ID_FOG_BASE 33
+#define ID_FOG_INVERSE_HEIGHT 34
+#define ID_LIGHTMAP_UNIT 35
 #define ID_RGBM 40
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
@@ -98,3 +101,9 @@
 #define TONEMAP_ACES 1
 #define TONEMAP_REINHARD 2
 #define TONEMAP_LINEAR 3
+
+// Values of the constant VOLUME_SHAPE.
+#define VOLUME_SCREEN 0
+#define VOLUME_SPHERE 1
+#define VOLUME_CONE 2
+#define VOLUME_BOX 3

@@ -13,7 +13,7 @@ layout(set = SET_INPUTS, binding = INPUT_LIGHT, input_attachment_index = INPUT_L
 #include "fog.glsl"
 
 layout(set = SET_INPUTS, binding = INPUT_FOG_DEPTH, input_attachment_index = INPUT_FOG_DEPTH)
-    uniform subpassInput input_depth;
+    uniform subpassInput input_fog_depth;
 #endif
 
 layout(location = TARGET_OUTPUT) out vec4 target_output;
@@ -25,7 +25,7 @@ void main() {
     vec3 exposed_light = light.rgb / frame.light_scale;
 #ifdef WITH_FOG
     if (!is_background) {
-        exposed_light = fogged(exposed_light, position_world(subpassLoad(input_depth).r));
+        exposed_light = fogged(exposed_light, position_world(subpassLoad(input_fog_depth).r));
     }
 #endif
     target_output = BACKGROUND && is_background ? background_color() : output_color(exposed_light);

@@ -8,7 +8,7 @@ use common::scenes;
 use ontile::glam::{Mat4, Vec3};
 use ontile::gpu::{Commands, Image, ImageDesc, OutputImage, Readback, Renderer, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::{Layout, Load, Options, OutputFormat, Plan, Strategy, Tonemap};
+use ontile::plan::{Layout, Load, Options, OutputFormat, Plan, Seen, Strategy, Tonemap};
 use ontile::scene::{Camera, Projection, Scene};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -109,6 +109,7 @@ fn culling_does_not_change_the_pixels() {
         let (mut objects, mut lights) = ([0, 0], [0, 0]);
         for scene in scenes::shipped().into_iter().chain(scenes::built()) {
             let plan = gpu.plan(&scene, Options { size: SIZE, layout: Layout::Exact, ..Options::default() });
+            let screens = plan.pipelines.iter().filter(|(_, p)| !p.is_of_surfaces()).count() as u64;
             let make = |cull| {
                 gpu.offscreen(&scene, plan.clone(), RendererConfig { cull, ..RendererConfig::default() })
             };
@@ -120,9 +121,15 @@ fn culling_does_not_change_the_pixels() {
                 });
                 let difference = difference(&pictures[0], &pictures[1]);
                 assert_eq!(difference, None, "{}, camera {index}", scene.name);
-                for (way, offscreen) in ways.iter().enumerate() {
-                    objects[way] += offscreen.renderer().recorded().objects;
-                    lights[way] += offscreen.renderer().recorded().lights;
+                let counts = ways.each_ref().map(|way| way.renderer().recorded().counts);
+                let all = scene.triangle_count() as u64 + screens;
+                assert_eq!(counts[0].triangles, all, "{}, camera {index}", scene.name);
+                let every = counts[0].objects.visible;
+                assert_eq!(counts[0].objects, Seen::of(every, every));
+                assert_eq!(counts[1].objects, Seen::of(counts[1].objects.visible, every));
+                for (way, counts) in counts.iter().enumerate() {
+                    objects[way] += counts.objects.visible;
+                    lights[way] += counts.lights.visible;
                 }
             }
         }

@@ -4,7 +4,7 @@ mod common;
 
 use common::expected::Expected;
 use common::scenes;
-use ontile::plan::{Layout, Limits, Needs, Options, OutputFormat, Path, Plan, Strategy};
+use ontile::plan::{Layout, LightWay, Limits, Needs, Options, OutputFormat, Path, Plan, Strategy};
 use ontile::scene::Scene;
 
 fn plan(scene: &Scene, options: Options) -> Plan {
@@ -13,6 +13,10 @@ fn plan(scene: &Scene, options: Options) -> Plan {
 
 fn separate() -> Options {
     Options { strategy: Strategy::Separate, ..Options::default() }
+}
+
+fn by(lights: LightWay) -> Options {
+    Options { lights, ..Options::default() }
 }
 
 fn forward() -> Options {
@@ -55,6 +59,14 @@ fn printed() -> Vec<(String, String)> {
         ),
         ("environment".into(), plan(&scenes::environment(), default())),
         ("environment_forward".into(), plan(&scenes::environment_alone(), forward())),
+        ("lit_clusters".into(), plan(&lights, by(LightWay::Clusters))),
+        ("lit_volumes".into(), plan(&lights, by(LightWay::Volumes))),
+        ("lit_stencil".into(), plan(&lights, by(LightWay::Stencil))),
+        (
+            "emissive_stencil_separate".into(),
+            plan(&scenes::emissive(), Options { lights: LightWay::Stencil, ..separate() }),
+        ),
+        ("no_lights_clusters".into(), plan(&scenes::no_lights(), by(LightWay::Clusters))),
         ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
         ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),
         ("foggy".into(), plan(&scenes::foggy(), default())),

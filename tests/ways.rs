@@ -6,7 +6,7 @@ use common::render::{Gpu, difference, on_device};
 use common::scenes;
 use ontile::glam::{Mat4, Vec3};
 use ontile::picture::Pixels;
-use ontile::plan::{Layout, LightWay, Options, OutputFormat, Path, Strategy};
+use ontile::plan::{Layout, LightWay, Options, OutputFormat, Path, Strategy, Tonemap};
 use ontile::scene::{Camera, Light, LightKind, Projection, Scene};
 use std::f32::consts::FRAC_PI_2;
 
@@ -26,8 +26,7 @@ fn many_lights() -> Scene {
         let mut light = scene.lights[1 + i % 2].clone();
         light.position_world = Vec3::new(x, 0.2 + 0.05 * (i % 7) as f32, z);
         light.range_m = Some(0.4 + 0.1 * (i % 5) as f32);
-        light.direction_world = Vec3::new((i as f32).sin(), -1.0, (i as f32).cos()).normalize();
-        scene.lights.push(light);
+        scene.lights.push(light.towards(Vec3::new((i as f32).sin(), -1.0, (i as f32).cos())));
     }
     scene
 }
@@ -44,18 +43,8 @@ fn awkward_lights() -> Scene {
     let point = LightKind::Point { intensity_cd: 0.6 };
     let spot = |outer_cone_rad| LightKind::Spot { intensity_cd: 2.0, inner_cone_rad: 0.0, outer_cone_rad };
     let mut add = |kind, position_world, range_m| {
-        let direction_world = Vec3::new(0.1, -1.0, -0.2).normalize();
-        let name = format!("light {}", scene.lights.len());
-        let color = Vec3::new(1.0, 0.8, 0.6);
-        scene.lights.push(Light {
-            kind,
-            position_world,
-            range_m,
-            direction_world,
-            name,
-            color,
-            ..scene.lights[0].clone()
-        });
+        let light = Light { position_world, range_m, color: Vec3::new(1.0, 0.8, 0.6), ..Light::new(kind) };
+        scene.lights.push(light.towards(Vec3::new(0.1, -1.0, -0.2)));
     };
     add(point, eye, Some(5.0));
     add(point, eye + ahead * 0.3, Some(0.2));
@@ -69,6 +58,10 @@ fn awkward_lights() -> Scene {
         add(spot(cone), Vec3::new(cone - 0.8, 0.9, 0.6), Some(1.5));
         add(spot(cone), eye + ahead * 0.1, Some(5.0));
     }
+    let crate_of = |size| LightKind::Box { illuminance_lx: 0.4, size_m: size, falloff_m: 0.1 };
+    add(crate_of(Vec3::new(1.0, 0.6, 0.8)), Vec3::new(0.9, 0.3, 0.3), None);
+    add(crate_of(Vec3::new(2.0, 1.0, 9.0)), eye, None);
+    add(crate_of(Vec3::splat(4.0)), eye + ahead * 6.0, None);
     add(spot(0.3), Vec3::new(0.0, 4.0, 0.0), None);
     add(spot(FRAC_PI_2), Vec3::new(0.0, 4.0, 0.0), None);
     scene
@@ -99,7 +92,7 @@ fn most_relative(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(relative).fold(0.0, f32::max)
 }
 
-const WAYS: [LightWay; 1] = [LightWay::Clusters];
+const WAYS: [LightWay; 3] = [LightWay::Clusters, LightWay::Volumes, LightWay::Stencil];
 
 #[test]
 fn ways_give_one_picture() {
@@ -149,6 +142,51 @@ fn forward_gives_the_same_picture() {
                 &floats(gpu, &scene, Options { lights: LightWay::Clusters, ..options }),
             );
             assert!(most <= MOST_RELATIVE, "{}: {most:.2e} apart", scene.name);
+        }
+    });
+}
+
+/// The most lights that reach one place of the floor or of the balls of [`scenes::lights_only`].
+fn most_lights_at_once(scene: &Scene) -> usize {
+    let floor =
+        (0..60 * 60).map(|i| Vec3::new((i % 60) as f32 * 0.1 - 3.0, 0.0, (i / 60) as f32 * 0.1 - 3.0));
+    let ball = |x: f32| {
+        (0..30 * 30).map(move |i| {
+            let [turn, tilt] = [(i % 30) as f32 * 0.21, (i / 30) as f32 * 0.105];
+            let way = Vec3::new(tilt.sin() * turn.cos(), tilt.cos(), tilt.sin() * turn.sin());
+            Vec3::new(x, 0.5, 0.0) + way * 0.5
+        })
+    };
+    let reaches = |l: &Light, place: Vec3| l.range_m.is_none_or(|r| l.position_world.distance(place) < r);
+    let count = |place: Vec3| scene.lights.iter().filter(|l| reaches(l, place)).count();
+    floor.chain(ball(-1.1)).chain(ball(1.1)).map(count).max().unwrap_or(0)
+}
+
+/// A light target of 10 bits rounds every light that is added by itself, where the other ways round the sum once.
+#[test]
+fn rounded_light_is_off_by_a_step_a_light() {
+    on_device(None, |gpu| {
+        let scene = many_lights();
+        let lights_at_once = most_lights_at_once(&scene) as f32;
+        let options = Options { tonemap: Tonemap::Linear, fold: false, ..Options::default() };
+        let exposed = |lights| floats(gpu, &scene, Options { lights, ..options.clone() });
+        let expected = exposed(LightWay::Fullscreen);
+        // A step of the target, of which a driver may round a half either way or all of it downwards (lavapipe).
+        let step = Layout::Metallic128.table().light_range / 1023.0;
+        for lights in [LightWay::Volumes, LightWay::Stencil] {
+            let off: Vec<_> =
+                expected.iter().zip(exposed(lights)).map(|(a, b)| (a - b).abs() / step).collect();
+            let most = off.iter().copied().fold(0.0, f32::max);
+            let mean = off.iter().sum::<f32>() / off.len() as f32;
+            println!(
+                "{lights}: {most} steps at most, {mean} in the mean, of {lights_at_once} lights at once"
+            );
+            // The sum of the other way is rounded too.
+            assert!(
+                most <= lights_at_once + 1.0,
+                "{lights}: {most} steps off, {lights_at_once} lights at once"
+            );
+            assert!(most > 0.5, "{lights}: nothing is rounded?");
         }
     });
 }

@@ -18,9 +18,9 @@ vec3 reflected_diffuse(Surface surface, vec3 irradiance) {
     return surface.base_color * ((1.0 - surface.metallic) / PI) * irradiance;
 }
 
-// What a surface at `position` reflects of one light towards `v`, both world space: cd/m^2. The light's kind follows from
-// its place in the list.
-vec3 light_reflected(uint i, Surface surface, vec3 position, vec3 v) {
+// What a surface at `position` reflects of one light, world space: cd/m^2. The light's kind follows from its place in the
+// list.
+vec3 light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
     uint point_begin = frame.light_counts.x;
     uint spot_begin = point_begin + frame.light_counts.y;
     uint box_begin = spot_begin + frame.light_counts.z;
@@ -35,7 +35,7 @@ vec3 light_reflected(uint i, Surface surface, vec3 position, vec3 v) {
         incident = light_point(lights[i], position);
     }
     float n_dot_l = dot(surface.normal_world, incident.direction);
-    vec3 bsdf = brdf(surface, surface.normal_world, v, incident.direction);
+    vec3 bsdf = brdf(r, incident.direction, clamp(n_dot_l, 0.0, 1.0));
     vec3 sum = bsdf * (incident.illuminance * max(n_dot_l, 0.0));
     if (HAS_BACK) {
         sum += reflected_diffuse(surface, incident.back * max(-n_dot_l, 0.0));
@@ -55,49 +55,49 @@ bool is_lit_from(uint i, Surface surface, vec3 position) {
     return in_range && dot(surface.normal_world, to_light) > 0.0;
 }
 
-// The lights with a place that this pixel looks at are the numbers from x to y, each the number of a light or, with
-// CLUSTERS, the place in the lists where that stands.
-uvec2 local_range(vec3 position) {
 #ifdef CLUSTERS
-    return cluster_list(position);
-#else
-    uint begin = frame.light_counts.x;
-    return uvec2(begin, begin + frame.light_counts.y + frame.light_counts.z + frame.light_counts.w);
-#endif
+
+// The first place from `next` to `end` in the lists whose light may add something.
+uint next_listed(uint next, uint end, Surface surface, vec3 position) {
+    while (next < end && !is_lit_from(clusters.words[next], surface, position)) {
+        ++next;
+    }
+    return next;
 }
 
-uint local_light(uint number) {
-#ifdef CLUSTERS
-    return clusters.words[number];
-#else
-    return number;
-#endif
+// What a surface at `position` reflects of the lights listed for its cell.
+vec3 listed_light(Surface surface, Reflector r, vec3 position) {
+    vec3 sum = vec3(0.0);
+    uvec2 list = cluster_list(position);
+    // Each pixel of a group looks for its own next light, so that the group evaluates the BRDF as often as the pixel
+    // with the most lights needs it. A branch around the BRDF would save less, and nothing where pixels are only
+    // masked: lavapipe leaves loops early, but no branch.
+    for (uint next = list.x; (next = next_listed(next, list.y, surface, position)) < list.y; ++next) {
+        sum += light_reflected(clusters.words[next], surface, r, position);
+    }
+    return sum;
 }
+
+#endif
 
 // What a surface at `position` reflects of all lights towards `v`, both world space: cd/m^2.
 vec3 direct_light(Surface surface, vec3 position, vec3 v) {
+    Reflector r = reflector(surface, v);
     vec3 sum = vec3(0.0);
     if (HAS_HEMISPHERE) {
         sum += reflected_diffuse(surface, light_hemispheres(surface.normal_world));
     }
-    if (HAS_DIRECTIONAL) {
-        for (uint i = 0u; i < frame.light_counts.x; ++i) {
-            sum += light_reflected(i, surface, position, v);
-        }
+    uvec4 counts = frame.light_counts * uvec4(HAS_DIRECTIONAL, HAS_POINT, HAS_SPOT, HAS_BOX);
+#ifdef CLUSTERS
+    uint everywhere = counts.x;
+#else
+    uint everywhere = counts.x + counts.y + counts.z + counts.w;
+#endif
+    for (uint i = 0u; i < everywhere; ++i) {
+        sum += light_reflected(i, surface, r, position);
     }
-    if (HAS_POINT || HAS_SPOT || HAS_BOX) {
-        // Each pixel of a group looks for its own next light, so that the group evaluates the BRDF as often as the
-        // pixel with the most lights needs it. A branch around the BRDF would save less, and nothing where pixels are
-        // only masked (lavapipe).
-        uvec2 range = local_range(position);
-        for (uint next = range.x; next < range.y; ++next) {
-            while (next < range.y && !is_lit_from(local_light(next), surface, position)) {
-                ++next;
-            }
-            if (next < range.y) {
-                sum += light_reflected(local_light(next), surface, position, v);
-            }
-        }
-    }
+#ifdef CLUSTERS
+    sum += listed_light(surface, r, position);
+#endif
     return sum;
 }

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::args::{Output, PlanArgs, SceneArgs};
 use super::output;
+use super::print;
 use super::progress::Progress;
 use super::scene;
 
@@ -68,20 +69,21 @@ impl RenderArgs {
     }
 }
 
-/// Renders and writes the picture, then the report.
+/// Renders, writes the picture, then the report, and tells what a frame consists of.
 pub fn run(args: &RenderArgs) -> Result<()> {
-    run_with(args, || {
+    let report = run_with(args, || {
         let mut scene = scene::load(&args.scene)?;
         scene::prefilter(&mut scene, args.plan.environment_format);
         render(args, &scene)
-    })
+    })?;
+    report.device.map_or(Ok(()), |device| print::value(&device.frame, false))
 }
 
 /// The files around the rendering: checks before the long work that both can have a place of their own.
 pub(super) fn run_with<R: Serialize>(
     args: &RenderArgs,
     render: impl FnOnce() -> Result<(Picture, R)>,
-) -> Result<()> {
+) -> Result<R> {
     let report_path = args.run.report.as_deref();
     let picture_path = args.output.path.as_path();
     output::check(picture_path, &[&args.scene.scene])?;
@@ -96,7 +98,7 @@ pub(super) fn run_with<R: Serialize>(
         json.push('\n');
         file::write_whole(path, json.as_bytes())?;
     }
-    Ok(())
+    Ok(report)
 }
 
 fn render(args: &RenderArgs, scene: &Scene) -> Result<(Picture, Report)> {

@@ -4,6 +4,8 @@ use ash::{khr, vk};
 use serde::{Deserialize, Serialize};
 use std::ffi::CStr;
 
+use crate::plan::Format;
+
 /// A device's properties as far as they matter here.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Caps {
@@ -55,6 +57,8 @@ pub struct Caps {
     pub timestamp_period_ns: f32,
     /// Meaningful bits of a timestamp on the queue family in use; 0 without timestamps.
     pub timestamp_valid_bits: u32,
+    /// Whether D32_SFLOAT_S8_UINT can be a depth attachment; where it cannot, D24_UNORM_S8_UINT can.
+    pub d32_s8: bool,
     /// The `pipelineStatisticsQuery` feature.
     pub pipeline_statistics: bool,
     /// VK_KHR_dynamic_rendering_local_read.
@@ -105,6 +109,7 @@ impl Caps {
                 .max_per_stage_descriptor_input_attachments
                 .min(self.max_descriptor_set_input_attachments),
             max_image_size: self.max_image_dimension_2d.min(width).min(height),
+            depth_stencil: if self.d32_s8 { Format::D32FloatS8 } else { Format::D24UnormS8 },
         }
     }
 
@@ -209,6 +214,14 @@ impl Caps {
             },
             timestamp_period_ns: limits.timestamp_period,
             timestamp_valid_bits: families.get(queue_family as usize).map_or(0, |f| f.timestamp_valid_bits),
+            d32_s8: {
+                // SAFETY: as above.
+                let format = unsafe {
+                    let format = vk::Format::D32_SFLOAT_S8_UINT;
+                    instance.get_physical_device_format_properties(physical_device, format)
+                };
+                format.optimal_tiling_features.contains(vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT)
+            },
             pipeline_statistics: features.pipeline_statistics_query == vk::TRUE,
             local_read: local_read.dynamic_rendering_local_read == vk::TRUE,
             rasterization_order_attachment_access: order.rasterization_order_color_attachment_access

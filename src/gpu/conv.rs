@@ -16,6 +16,8 @@ pub const fn format(f: Format) -> vk::Format {
         Format::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
         Format::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
         Format::D32Float => vk::Format::D32_SFLOAT,
+        Format::D32FloatS8 => vk::Format::D32_SFLOAT_S8_UINT,
+        Format::D24UnormS8 => vk::Format::D24_UNORM_S8_UINT,
     }
 }
 

@@ -10,8 +10,8 @@ use super::objects::Objects;
 use super::shared::{FrameUniforms, InstanceData, LightData};
 use super::{Buffer, BufferDesc, Device, MemoryUse, View};
 use crate::Result;
-use crate::plan::Plan;
-use crate::visible::Frustum;
+use crate::plan::{Plan, Seen};
+use crate::visible::Sight;
 
 /// A frame slot's buffers, large enough for all of the scene.
 pub(super) struct FrameData {
@@ -21,15 +21,15 @@ pub(super) struct FrameData {
     /// The parts of the lightmap of `instances`; `None` if the plan has no lightmap.
     pub(super) lightmap_rects: Option<Buffer>,
     pub(super) lights: Buffer,
-    /// `None` if the plan has no light lists.
-    pub(super) clusters: Option<Buffer>,
+    /// `None` if the plan's way of lights has no lists.
+    pub(super) light_lists: Option<Buffer>,
 }
 
-/// How much of a scene a view saw.
+/// How much of a scene was written for a frame.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Seen {
-    pub(super) objects: usize,
-    pub(super) lights: usize,
+pub(super) struct Written {
+    pub(super) objects: Seen,
+    pub(super) lights: Seen,
     /// The time that listing the lights took.
     pub(super) light_lists: Duration,
 }
@@ -51,15 +51,16 @@ impl FrameData {
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let instances =
             (objects > 0).then(|| buffer("instances", objects * size_of::<InstanceData>(), storage));
-        let rects = plan.needs.lightmap.map(|_| buffer("lightmap parts", objects * size_of::<[f32; 4]>(), storage));
-        let clusters = plan.clusters.map(|c| buffer("clusters", c.bytes as usize, storage));
+        let rects =
+            plan.needs.lightmap.map(|_| buffer("lightmap parts", objects * size_of::<[f32; 4]>(), storage));
+        let light_lists = LightLists::bytes(plan).map(|bytes| buffer("light lists", bytes as usize, storage));
         Ok(Self {
             uniforms: buffer("frame", size_of::<FrameUniforms>(), uniform)?,
             instances: instances.transpose()?,
             lightmap_rects: rects.transpose()?,
             // A buffer cannot be empty, but a scene can be without lights; then no shader reads what is here.
             lights: buffer("lights", lights.max(1) * size_of::<LightData>(), storage)?,
-            clusters: clusters.transpose()?,
+            light_lists: light_lists.transpose()?,
         })
     }
 
@@ -71,31 +72,37 @@ impl FrameData {
         size: [u32; 2],
         scene: Everything<'_>,
         cull: bool,
-    ) -> Seen {
+    ) -> Written {
         let Everything { objects, lights, light_lists, ambient_nt } = scene;
         let mut uniforms = view.uniforms(plan, size, ambient_nt);
-        let frustum = cull.then(|| Frustum::new(&glam::Mat4::from_cols_array_2d(&uniforms.clip_from_world)));
+        let clip_from_world = glam::Mat4::from_cols_array_2d(&uniforms.clip_from_world);
+        let sight = Sight::new(&clip_from_world, view.camera.world_from_view.w_axis.truncate());
+        let frustum = cull.then_some(&sight.frustum);
         let instances = self.instances.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
+        let instances = instances.unwrap_or_default();
         let rects = self.lightmap_rects.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
-        let seen_objects =
-            objects.write_visible(frustum.as_ref(), instances.unwrap_or_default(), rects.unwrap_or_default());
+        let seen_objects = objects.write_visible(&sight, cull, instances, rects.unwrap_or_default());
         let light_list = bytemuck::cast_slice_mut(self.lights.mapped_mut());
-        let counts = lights.write_visible(frustum.as_ref(), light_list, light_lists.reaches_mut());
+        let counts = lights.write_visible(frustum, light_list, light_lists.reaches_mut());
         uniforms.light_counts = counts;
         uniforms.hemispheres = lights.hemispheres();
         self.uniforms.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
         let start = Instant::now();
         let all = counts.iter().sum::<u32>();
-        if let Some(clusters) = &mut self.clusters {
-            light_lists.write(view.camera, size, counts[0]..all, clusters.mapped_mut());
+        if let Some(lists) = &mut self.light_lists {
+            light_lists.write(view.camera, size, counts[0]..all, lists.mapped_mut());
         }
-        Seen { objects: seen_objects, lights: all as usize, light_lists: start.elapsed() }
+        Written {
+            objects: Seen::of(seen_objects, objects.count()),
+            lights: Seen::of(all as usize, lights.lit()),
+            light_lists: start.elapsed(),
+        }
     }
 
     /// Size of the memory.
     pub(super) fn allocated_bytes(&self) -> u64 {
         let always = [&self.uniforms, &self.lights].into_iter();
-        let buffers = always.chain(&self.instances).chain(&self.lightmap_rects).chain(&self.clusters);
+        let buffers = always.chain(&self.instances).chain(&self.lightmap_rects).chain(&self.light_lists);
         buffers.map(Buffer::allocated_bytes).sum()
     }
 }

@@ -68,6 +68,11 @@ impl Lights {
         self.order.len()
     }
 
+    /// How many are not dark, hemispheres aside.
+    pub(super) fn lit(&self) -> usize {
+        self.placed.iter().filter(|l| l.reach.is_some() && l.kind < LISTED).count()
+    }
+
     /// Changes an element of `Scene::lights`.
     pub(super) fn set(&mut self, index: usize, light: &Light) -> Result<()> {
         let lights = self.placed.len();
@@ -118,6 +123,7 @@ impl Lights {
         }
         counts
     }
+
     /// All hemisphere lights that are not dark as one: [`FrameUniforms::hemispheres`](super::shared::FrameUniforms).
     pub(super) fn hemispheres(&self) -> [[f32; 4]; 3] {
         let lights = self.placed.iter().filter(|l| l.kind == LISTED && l.reach.is_some());

@@ -3,10 +3,11 @@
 use std::ops::Range;
 
 use super::convert;
+use super::scene_data::{surface, vertex_streams};
 use super::shared::InstanceData;
 use crate::plan::{Pipeline, Plan, SceneKinds, SurfaceKind};
 use crate::scene::{Aabb, Instance, Scene};
-use crate::visible::Frustum;
+use crate::visible::{Distances, DrawOrder, Sight, sort_key, sorted_index};
 use crate::{Error, Result};
 use glam::{Mat4, Vec4};
 
@@ -25,6 +26,8 @@ pub(super) struct Batch {
     placed: Range<usize>,
     /// The part of the instance buffer that holds what of it is seen.
     pub(super) visible: Range<u32>,
+    /// Of what is seen.
+    distances: Distances,
 }
 
 /// An instance that has triangles.
@@ -54,13 +57,17 @@ struct Element {
 /// All objects that have triangles, by batch.
 pub(super) struct Objects {
     batches: Vec<Batch>,
+    order: DrawOrder,
     placed: Vec<Placed>,
     elements: Vec<Element>,
     static_moves: u64,
+    /// Room for the objects of the largest batch while they are sorted.
+    sorted: Vec<u64>,
 }
 
 impl Objects {
-    /// Sorts by pipeline, material and mesh, so that state changes are few and equal meshes become one draw.
+    /// Sorts by state, so that it changes seldom and equal meshes become one draw. What a mask cuts comes after what is
+    /// whole: it hides nothing before its shader has run.
     pub(super) fn new(scene: &Scene, plan: &Plan) -> Self {
         let kinds = SceneKinds::new(scene);
         let mut order: Vec<_> = scene
@@ -70,9 +77,11 @@ impl Objects {
             .filter(|(_, instance)| scene.is_drawn(instance))
             .map(|(index, instance)| {
                 let mesh = &scene.meshes[instance.mesh];
-                let wanted = Pipeline::Surface(SurfaceKind::new(&kinds, instance));
+                let kind = SurfaceKind::new(&kinds, instance);
+                let wanted = Pipeline::Surface(kind);
                 let pipeline = plan.pipelines.iter().position(|(_, p)| *p == wanted);
-                (pipeline.expect("the plan was made for this scene"), mesh.material, instance.mesh, index)
+                let pipeline = pipeline.expect("the plan was made for this scene");
+                (kind.alpha_mask, vertex_streams(&kind), pipeline, mesh.material, instance.mesh, index)
             })
             .collect();
         order.sort_unstable();
@@ -81,14 +90,16 @@ impl Objects {
         let mut placed = Vec::with_capacity(order.len());
         let element = |instance: &Instance| Element { placed: None, dynamic: instance.dynamic };
         let mut elements: Vec<_> = scene.instances.iter().map(element).collect();
-        for (pipeline, material, mesh, index) in order {
+        for (.., pipeline, material, mesh, index) in order {
             let first = placed.len();
             let instance = &scene.instances[index];
             let bounds_object = bounds[mesh].expect("what has triangles has vertices");
             elements[index].placed = Some(first);
             placed.push(Placed {
                 data: convert::instance(&instance.world_from_object),
-                lightmap: instance.lightmap.map_or([0.0; 4], |r| [r.origin.x, r.origin.y, r.size.x, r.size.y]),
+                lightmap: instance
+                    .lightmap
+                    .map_or([0.0; 4], |r| [r.origin.x, r.origin.y, r.size.x, r.size.y]),
                 bounds_world: bounds_object.transformed(&instance.world_from_object),
                 bounds_object,
                 mirrored: instance.is_mirrored(),
@@ -102,10 +113,19 @@ impl Objects {
                     material_set: 0,
                     placed: first..first + 1,
                     visible: 0..0,
+                    distances: Distances::default(),
                 }),
             }
         }
-        Self { batches, placed, elements, static_moves: 0 }
+        let largest = batches.iter().map(|b| b.placed.len()).max().unwrap_or_default();
+        Self {
+            order: DrawOrder::new(&states(plan, &batches)),
+            sorted: Vec::with_capacity(largest),
+            batches,
+            placed,
+            elements,
+            static_moves: 0,
+        }
     }
 
     /// How many there are: the length of an instance buffer that can hold all of them.
@@ -121,6 +141,12 @@ impl Objects {
     /// All batches, to give them their materials.
     pub(super) fn batches_mut(&mut self) -> &mut [Batch] {
         &mut self.batches
+    }
+
+    /// Those of which something is seen, in the order in which they are drawn: those of one pipeline side by side, and
+    /// within it those of one material.
+    pub(super) fn visible_batches(&self) -> impl Iterator<Item = &Batch> {
+        self.order.draws().iter().map(|&i| &self.batches[i]).filter(|b| !b.visible.is_empty())
     }
 
     /// Moves an element of `Scene::instances`.
@@ -158,28 +184,58 @@ impl Objects {
         self.static_moves
     }
 
-    /// Writes what the view sees (everything without a view), batch by batch without gaps, and tells each batch where
-    /// its objects are. Returns how many they are. `lightmaps` gets their parts of the lightmap, if it is not empty.
+    /// Writes what is in sight, batch by batch without gaps and from near to far in each, and tells each batch where its
+    /// objects are. Without `cull` the others follow in each batch, so that the order of those in sight is the same.
+    /// Returns how many it wrote. `lightmaps` gets their parts of the lightmap, if it is not empty.
     pub(super) fn write_visible(
         &mut self,
-        view: Option<&Frustum>,
+        sight: &Sight,
+        cull: bool,
         out: &mut [InstanceData],
         lightmaps: &mut [[f32; 4]],
     ) -> usize {
+        let Self { batches, order, placed, sorted, .. } = self;
         let mut end = 0;
-        for batch in &mut self.batches {
-            let first = end;
-            for object in &self.placed[batch.placed.clone()] {
-                if !view.is_some_and(|view| view.misses_aabb(&object.bounds_world)) {
-                    out[end] = object.data;
-                    if let Some(lightmap) = lightmaps.get_mut(end) {
-                        *lightmap = object.lightmap;
-                    }
-                    end += 1;
+        for batch in &mut *batches {
+            batch.distances = Distances::default();
+            sorted.clear();
+            for index in batch.placed.clone() {
+                let bounds = &placed[index].bounds_world;
+                if !sight.frustum.misses_aabb(bounds) {
+                    let distance_m = sight.distance(bounds);
+                    batch.distances.add(distance_m);
+                    sorted.push(sort_key(distance_m, index));
+                } else if !cull {
+                    sorted.push(sort_key(f32::INFINITY, index));
                 }
+            }
+            sorted.sort_unstable();
+            let first = end;
+            for &key in &*sorted {
+                let object = &placed[sorted_index(key)];
+                out[end] = object.data;
+                if let Some(lightmap) = lightmaps.get_mut(end) {
+                    *lightmap = object.lightmap;
+                }
+                end += 1;
             }
             batch.visible = first as u32..end as u32;
         }
+        order.sort(|batch| batches[batch].distances);
         end
     }
+}
+
+/// What drawing each batch sets, from what to change least often to what costs least.
+fn states(plan: &Plan, batches: &[Batch]) -> Vec<[usize; 4]> {
+    let kind = |batch: &Batch| surface(plan, batch.pipeline);
+    let mut streams: Vec<_> = batches.iter().map(|b| vertex_streams(kind(b))).collect();
+    streams.sort_unstable();
+    streams.dedup();
+    let state = |batch: &Batch| {
+        let kind = kind(batch);
+        let streams = streams.binary_search(&vertex_streams(kind)).unwrap_or_default();
+        [usize::from(kind.alpha_mask), streams, batch.pipeline, batch.material]
+    };
+    batches.iter().map(state).collect()
 }

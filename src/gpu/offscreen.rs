@@ -162,7 +162,6 @@ impl Offscreen {
             ]
         });
         let statistics = statistics.into_iter().flatten();
-        let recorded = self.renderer.recorded();
         report.device = Some(DeviceFigures {
             device: device.caps().name.clone(),
             driver: device.caps().driver.clone(),
@@ -172,8 +171,7 @@ impl Offscreen {
             cpu_record_ms: median_of(&|m| Some(m.record_ms)),
             cpu_light_lists_ms: median_of(&|m| m.light_lists_ms),
             statistics: statistics.map(|(name, n)| (name.to_owned(), Figure::driver(n as f64))).collect(),
-            draws: recorded.draws,
-            state_changes: recorded.state_changes,
+            frame: self.renderer.recorded().counts,
             frames: self.measured.len(),
             allocated_bytes: self.renderer.scene_bytes(),
             validation_messages: None,
@@ -215,6 +213,8 @@ fn decode(format: Format, texels: &[u8]) -> Vec<f32> {
                     .chain([(w >> 30) as f32 / 3.0])
             })
             .collect(),
+        // Not read back: nothing keeps it.
+        Format::D32FloatS8 | Format::D24UnormS8 => Vec::new(),
         Format::Rgba16Float => {
             texels.chunks_exact(2).map(|t| half_to_f32(u16::from_le_bytes([t[0], t[1]]))).collect()
         }

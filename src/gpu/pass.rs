@@ -15,13 +15,14 @@ pub fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<O
         .attachments
         .iter()
         .map(|a| {
+            let format = plan.attachments[a.attachment].format;
             vk::AttachmentDescription::default()
-                .format(conv::format(plan.attachments[a.attachment].format))
+                .format(conv::format(format))
                 .samples(vk::SampleCountFlags::TYPE_1)
                 .load_op(conv::load_op(a.load))
                 .store_op(conv::store_op(a.store))
-                .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
-                .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
+                .stencil_load_op(conv::load_op(a.stencil.0))
+                .stencil_store_op(conv::store_op(a.stencil.1))
                 .initial_layout(conv::layout(a.initial))
                 .final_layout(conv::layout(a.last))
         })

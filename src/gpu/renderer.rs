@@ -1,5 +1,6 @@
 //! The renderer: a plan made of Vulkan objects, and frames recorded with them.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use ash::vk;
@@ -12,7 +13,7 @@ use super::target::check_formats;
 use super::{
     Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
-use crate::plan::{Needs, Plan, State};
+use crate::plan::{FrameCounts, Needs, Pipeline, Plan, State, VolumeShape};
 use crate::scene::{Light, Scene};
 use crate::{Error, Result};
 
@@ -63,17 +64,11 @@ pub struct Renderer {
     recorded: Recorded,
 }
 
-/// What recording a frame put into the command buffer.
+/// What recording a frame did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Recorded {
-    /// Draw calls, full-screen ones included.
-    pub draws: usize,
-    /// Bindings of pipelines, descriptor sets, vertex and index buffers.
-    pub state_changes: usize,
-    /// Instances drawn; the others that have triangles were culled.
-    pub objects: usize,
-    /// Lights that reach something in view; the others that are not dark were culled.
-    pub lights: usize,
+    /// What it put into the command buffer.
+    pub counts: FrameCounts,
     /// CPU time of listing the lights of each part of the view; 0 where the plan has no light lists.
     pub light_lists: std::time::Duration,
 }
@@ -236,15 +231,10 @@ impl Renderer {
         assert!(target.is_of(&self.passes), "the target was created by another renderer");
         let vk::Extent2D { width, height } = target.extent();
         let seen = self.scene.write_frame(slot, view, &self.plan, [width, height], self.config.cull);
-        let recorded = Recorded {
-            objects: seen.objects,
-            lights: seen.lights,
-            light_lists: seen.light_lists,
-            ..Recorded::default()
-        };
-        let mut frame = Frame { renderer: self, recorder, slot, target, output, recorded };
+        let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };
+        let mut frame = Frame { renderer: self, recorder, slot, target, output, counts };
         frame.record();
-        self.recorded = frame.recorded;
+        self.recorded = Recorded { counts: frame.counts, light_lists: seen.light_lists };
     }
 }
 
@@ -255,7 +245,7 @@ struct Frame<'a> {
     slot: usize,
     target: &'a Target,
     output: usize,
-    recorded: Recorded,
+    counts: FrameCounts,
 }
 
 impl Frame<'_> {
@@ -324,14 +314,61 @@ impl Frame<'_> {
         let plan = &self.renderer.plan;
         let of_stage =
             plan.pipelines.iter().enumerate().filter(|(_, (s, p))| *s == stage && !p.is_of_surfaces());
-        for (index, _) in of_stage {
-            let layout = self.bind_pipeline(index);
-            if let Some(inputs) = self.target.inputs(self.output, stage) {
-                self.bind_set(layout, 1, inputs);
+        for (index, (_, pipeline)) in of_stage {
+            match pipeline {
+                Pipeline::LightVolume(shape) => self.draw_volumes(stage, index, *shape),
+                // Drawn in turns with the pipeline that follows it.
+                Pipeline::LightMask(_) => {}
+                _ => {
+                    self.bind_with_inputs(stage, index);
+                    self.draw_generated(3, 0..1);
+                }
             }
-            // SAFETY: the full-screen triangle reads no vertex buffer.
-            unsafe { self.recorder.device().raw().cmd_draw(self.recorder.raw(), 3, 1, 0, 0) };
-            self.recorded.draws += 1;
+        }
+    }
+
+    /// Draws the lights of a shape: all at once, or each after its mask.
+    fn draw_volumes(&mut self, stage: usize, pipeline: usize, shape: VolumeShape) {
+        let Renderer { plan, scene, .. } = self.renderer;
+        let vertices = match shape {
+            VolumeShape::Screen => 3,
+            VolumeShape::Sphere => 60,
+            VolumeShape::Cone => 48,
+            VolumeShape::Box => 36,
+        };
+        let lights = scene.light_volumes(shape);
+        let mask = pipeline.checked_sub(1).filter(|&p| plan.pipelines[p].1 == Pipeline::LightMask(shape));
+        match mask {
+            _ if lights.is_empty() => {}
+            None => {
+                self.bind_with_inputs(stage, pipeline);
+                self.draw_generated(vertices, lights);
+            }
+            Some(mask) => {
+                for light in lights {
+                    self.bind_pipeline(mask);
+                    self.draw_generated(vertices, light..light + 1);
+                    self.bind_with_inputs(stage, pipeline);
+                    self.draw_generated(vertices, light..light + 1);
+                }
+            }
+        }
+    }
+
+    /// Draws without vertex buffers.
+    fn draw_generated(&mut self, vertices: u32, instances: Range<u32>) {
+        let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+        // SAFETY: the bound pipeline makes its vertices from their indices.
+        unsafe { device.cmd_draw(raw, vertices, instances.len() as u32, 0, instances.start) };
+        self.counts.draws += 1;
+        self.counts.triangles += u64::from(vertices / 3) * instances.len() as u64;
+    }
+
+    /// Binds a pipeline, the frame's buffers and the stage's input attachments.
+    fn bind_with_inputs(&mut self, stage: usize, index: usize) {
+        let layout = self.bind_pipeline(index);
+        if let Some(inputs) = self.target.inputs(self.output, stage) {
+            self.bind_set(layout, 1, inputs);
         }
     }
 
@@ -340,7 +377,7 @@ impl Frame<'_> {
         let Renderer { pipelines, scene, .. } = self.renderer;
         let mut bound_mesh = BoundMesh::default();
         let (mut bound_pipeline, mut bound_material) = (None, None);
-        for batch in scene.objects().batches().iter().filter(|b| !b.visible.is_empty()) {
+        for batch in scene.objects().visible_batches() {
             let Some(index) = pipelines.drawing(stage, batch.pipeline) else { continue };
             let layout = match bound_pipeline {
                 Some((bound, layout)) if bound == index => layout,
@@ -354,9 +391,8 @@ impl Frame<'_> {
                 self.bind_set(layout, 1, scene.material_set(batch.material_set));
                 bound_material = Some(batch.material_set);
             }
-            self.recorded.state_changes += scene.bind_mesh(self.recorder, batch, &mut bound_mesh);
-            scene.draw(self.recorder, batch);
-            self.recorded.draws += 1;
+            scene.bind_mesh(self.recorder, batch, &mut bound_mesh, &mut self.counts.state_changes);
+            scene.draw(self.recorder, batch, &mut self.counts);
         }
     }
 
@@ -367,7 +403,7 @@ impl Frame<'_> {
         let pipeline = pipelines.pipelines[index].raw();
         // SAFETY: the pipeline was made for this subpass and is kept alive by the renderer.
         unsafe { device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::GRAPHICS, pipeline) };
-        self.recorded.state_changes += 1;
+        self.counts.state_changes.pipelines += 1;
         let layout = pipelines.layout_of(index).layout.raw();
         self.bind_set(layout, 0, scene.frame_set(self.slot, pipelines.families[index]));
         layout
@@ -378,6 +414,6 @@ impl Frame<'_> {
         let point = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: the set was allocated with the layout's n-th set layout, and all its bindings are written.
         unsafe { device.cmd_bind_descriptor_sets(raw, point, layout, index, &[set], &[]) };
-        self.recorded.state_changes += 1;
+        self.counts.state_changes.descriptor_sets += 1;
     }
 }

@@ -1,12 +1,13 @@
 //! A scene on the device: buffers, textures, descriptor sets, and the order in which it is drawn.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use ash::vk;
 
 use super::around::AroundData;
 use super::descriptor::{Content, DescriptorSets};
-use super::frame_data::{Everything, FrameData, Seen};
+use super::frame_data::{Everything, FrameData, Written};
 use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::material_data::Materials;
@@ -15,7 +16,7 @@ use super::pipeline::{Family, Pipelines};
 use super::shader::shared;
 use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
 use crate::Result;
-use crate::plan::{Pipeline, Plan, SLOTS, SurfaceKind};
+use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind, VolumeShape};
 use crate::scene::Scene;
 
 /// A scene on the device.
@@ -85,6 +86,11 @@ impl SceneData {
         &mut self.lights
     }
 
+    /// The instances that draw the lights of a shape, of the frame written last.
+    pub(super) fn light_volumes(&self, shape: VolumeShape) -> Range<u32> {
+        self.light_lists.volumes(shape)
+    }
+
     /// The buffers that pipelines of this family read, for a frame slot.
     pub(super) fn frame_set(&self, slot: usize, family: Family) -> vk::DescriptorSet {
         let index =
@@ -115,20 +121,25 @@ impl SceneData {
         plan: &Plan,
         size: [u32; 2],
         cull: bool,
-    ) -> Seen {
+    ) -> Written {
         let Self { objects, lights, light_lists, ambient_nt, .. } = self;
         let scene = Everything { objects, lights, light_lists, ambient_nt: *ambient_nt };
         self.frames[slot].write(view, plan, size, scene, cull)
     }
 
     /// Binds what a batch's draw reads, unless `bound` says that it is bound already.
-    pub(super) fn bind_mesh(&self, recorder: &Recorder<'_>, batch: &Batch, bound: &mut BoundMesh) -> usize {
+    pub(super) fn bind_mesh(
+        &self,
+        recorder: &Recorder<'_>,
+        batch: &Batch,
+        bound: &mut BoundMesh,
+        changes: &mut StateChanges,
+    ) {
         const MOST_STREAMS: usize = 5;
         let range = &self.geometry.meshes()[batch.mesh];
         let (Some(vertices), Some(indices)) = (self.geometry.vertices(), self.geometry.indices()) else {
-            return 0;
+            return;
         };
-        let mut changes = 0;
         let (device, raw) = (recorder.device().raw(), recorder.raw());
         if bound.group != Some(range.group) {
             let offsets = &self.geometry.groups()[range.group].offsets_bytes;
@@ -136,7 +147,7 @@ impl SceneData {
             // SAFETY: both lists are of one length, and offsets lie inside the buffer.
             unsafe { device.cmd_bind_vertex_buffers(raw, 0, &buffers[..offsets.len()], offsets) };
             bound.group = Some(range.group);
-            changes += 1;
+            changes.vertex_buffers += 1;
         }
         if bound.index_width != Some(range.index_width) {
             let offset = self.geometry.index_offset_bytes(range.index_width);
@@ -145,12 +156,12 @@ impl SceneData {
                 device.cmd_bind_index_buffer(raw, indices.raw(), offset, range.index_width.index_type())
             };
             bound.index_width = Some(range.index_width);
-            changes += 1;
+            changes.index_buffers += 1;
         }
-        changes
     }
 
-    pub(super) fn draw(&self, recorder: &Recorder<'_>, batch: &Batch) {
+    /// Draws what is seen of a batch.
+    pub(super) fn draw(&self, recorder: &Recorder<'_>, batch: &Batch, counts: &mut FrameCounts) {
         let range = &self.geometry.meshes()[batch.mesh];
         // SAFETY: `bind_mesh` bound the buffers, and the ranges lie inside them.
         unsafe {
@@ -163,6 +174,8 @@ impl SceneData {
                 batch.visible.start,
             );
         }
+        counts.draws += 1;
+        counts.triangles += u64::from(range.index_count / 3) * batch.visible.len() as u64;
     }
 
     /// One set per frame slot and family.
@@ -181,9 +194,9 @@ impl SceneData {
                 let buffer = match binding {
                     b if b == const { shared("BINDING_FRAME") } => Some(&frame.uniforms),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
-                    b if b == const { shared("BINDING_LIGHTMAP_RECTS") } => frame.lightmap_rects.as_ref(),
-                    b if b == const { shared("BINDING_CLUSTERS") } => frame.clusters.as_ref(),
-                    _ => Some(&frame.lights),
+                    b if b == const { shared("BINDING_LIGHTMAPS") } => frame.lightmap_rects.as_ref(),
+                    b if b == const { shared("BINDING_LIGHTS") } => Some(&frame.lights),
+                    _ => frame.light_lists.as_ref(),
                 };
                 // What a pipeline reads exists: surface pipelines only for instances, light lists by the plan.
                 if let Some(buffer) = buffer {
@@ -254,7 +267,8 @@ pub(super) struct BoundMesh {
     index_width: Option<super::IndexWidth>,
 }
 
-fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
+/// The kind of surface that a pipeline draws.
+pub(super) fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
     match &plan.pipelines[pipeline].1 {
         Pipeline::Surface(kind) => kind,
         other => unreachable!("batches are made for surfaces, not for {other:?}"),

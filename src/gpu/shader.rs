@@ -118,8 +118,8 @@ pub enum Module {
     Lighting {
         /// How the G-buffer is laid out.
         layout: Layout,
-        /// Whether each pixel looks at the lights of its cluster, not at all.
-        clusters: bool,
+        /// Which lights a pixel looks at.
+        lights: LightLoop,
     },
     /// Turns the light target into the output.
     Tonemap {
@@ -133,6 +133,19 @@ pub enum Module {
     },
     /// One triangle over the whole image.
     Fullscreen,
+    /// A mesh around what a light reaches.
+    LightVolume,
+}
+
+/// The lights that a pixel looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LightLoop {
+    /// All.
+    All,
+    /// Those that shine everywhere and those in the list of its cluster.
+    Cluster,
+    /// The one that is drawn.
+    One,
 }
 
 /// Every kind.
@@ -172,7 +185,8 @@ impl Module {
                 }
             }
             all.push(Self::Sky { layout: Some(layout) });
-            all.extend([false, true].map(|clusters| Self::Lighting { layout, clusters }));
+            let loops = [LightLoop::All, LightLoop::Cluster, LightLoop::One];
+            all.extend(loops.map(|lights| Self::Lighting { layout, lights }));
         }
         all.extend([false, true].map(|textured| Self::Unlit { textured }));
         for flags in 0..8 {
@@ -181,7 +195,7 @@ impl Module {
         }
         all.extend([false, true].map(|textured| Self::Mask { textured }));
         all.extend([false, true].map(|fog| Self::Tonemap { fog }));
-        all.extend([Self::Sky { layout: None }, Self::Fullscreen]);
+        all.extend([Self::Sky { layout: None }, Self::Fullscreen, Self::LightVolume]);
         all
     }
 
@@ -216,13 +230,19 @@ impl Module {
                 around_suffix(around),
                 suffix(lightmap, "_lightmap"),
             ),
-            Self::Lighting { layout, clusters } => {
-                format!("lighting_{layout}{}.frag", suffix(clusters, "_clusters"))
+            Self::Lighting { layout, lights } => {
+                let lights = match lights {
+                    LightLoop::All => "",
+                    LightLoop::Cluster => "_clusters",
+                    LightLoop::One => "_one",
+                };
+                format!("lighting_{layout}{lights}.frag")
             }
             Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
             Self::Sky { layout: None } => "sky.frag".into(),
             Self::Sky { layout: Some(layout) } => format!("sky_{layout}.frag"),
             Self::Fullscreen => "fullscreen.vert".into(),
+            Self::LightVolume => "light_volume.vert".into(),
         }
     }
 
@@ -238,13 +258,14 @@ impl Module {
             Self::Tonemap { .. } => "tonemap.frag",
             Self::Sky { .. } => "sky.frag",
             Self::Fullscreen => "fullscreen.vert",
+            Self::LightVolume => "light_volume.vert",
         }
     }
 
     /// The stage that it is for.
     pub fn stage(self) -> Stage {
         match self {
-            Self::GeometryVertex { .. } | Self::Fullscreen => Stage::Vertex,
+            Self::GeometryVertex { .. } | Self::Fullscreen | Self::LightVolume => Stage::Vertex,
             Self::GeometryFragment { .. }
             | Self::Unlit { .. }
             | Self::Forward { .. }
@@ -288,12 +309,14 @@ impl Module {
                 (around >= Around::Environment, "ENVIRONMENT"),
                 (lightmap, "LIGHTMAP"),
             ]),
-            Self::Lighting { layout, clusters } => {
-                chosen(&[(true, layout_define(layout)), (clusters, "CLUSTERS")])
-            }
+            Self::Lighting { layout, lights } => chosen(&[
+                (true, layout_define(layout)),
+                (lights == LightLoop::Cluster, "CLUSTERS"),
+                (lights == LightLoop::One, "ONE_LIGHT"),
+            ]),
             Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
             Self::Sky { layout: Some(layout) } => vec![layout_define(layout), "LIGHT_TARGET"],
-            Self::Sky { layout: None } | Self::Fullscreen => Vec::new(),
+            Self::Sky { layout: None } | Self::Fullscreen | Self::LightVolume => Vec::new(),
         }
     }
 

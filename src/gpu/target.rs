@@ -7,7 +7,7 @@ use ash::vk;
 use super::descriptor::{Content, DescriptorSets};
 use super::pipeline::Pipelines;
 use super::{Device, Image, ImageDesc, Owned, conv};
-use crate::plan::{Load, Plan, check_size};
+use crate::plan::{Load, PassAttachment, Pipeline, Plan, check_size};
 use crate::{Error, Result};
 
 /// A host's image that frames are drawn to: of the target's size, one sample, one level, of the format
@@ -141,7 +141,10 @@ impl OutputBuilder<'_> {
         let mut set_of_stage = vec![None; self.plan.stage_count()];
         let mut wanted = Vec::new();
         for (index, (stage, pipeline)) in self.plan.pipelines.iter().enumerate() {
-            if pipeline.is_of_surfaces() {
+            // A stage's pipelines that read inputs read the same ones.
+            let reads =
+                !pipeline.is_of_surfaces() && !matches!(pipeline, Pipeline::LightMask(_) | Pipeline::Sky);
+            if !reads || set_of_stage[*stage].is_some() {
                 continue;
             }
             let family = self.pipelines.layout_of(index);
@@ -178,7 +181,8 @@ fn clear_values(plan: &Plan) -> Vec<Vec<vk::ClearValue>> {
         }
     };
     let of_pass = |pass: &crate::plan::Pass| {
-        let cleared = pass.attachments.iter().rposition(|a| a.load == Load::Clear).map_or(0, |last| last + 1);
+        let is_cleared = |a: &PassAttachment| a.load == Load::Clear || a.stencil.0 == Load::Clear;
+        let cleared = pass.attachments.iter().rposition(is_cleared).map_or(0, |last| last + 1);
         pass.attachments[..cleared].iter().map(|a| value(&plan.attachments[a.attachment])).collect()
     };
     plan.passes.iter().map(of_pass).collect()

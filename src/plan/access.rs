@@ -15,9 +15,9 @@ pub enum Access {
     ColorRead,
     /// Writing, clearing or storing a colour attachment.
     ColorWrite,
-    /// Depth test.
+    /// Depth or stencil test.
     DepthRead,
-    /// Depth write, clear or store.
+    /// Depth or stencil write, clear or store.
     DepthWrite,
     /// A fragment shader reads its own pixel.
     InputRead,
@@ -36,7 +36,7 @@ impl Access {
         match how {
             Use::Write => [Self::ColorWrite].into(),
             Use::Blend => [Self::ColorRead, Self::ColorWrite].into(),
-            Use::Depth => [Self::DepthRead, Self::DepthWrite].into(),
+            Use::Depth | Use::Stencil => [Self::DepthRead, Self::DepthWrite].into(),
             Use::DepthTest => [Self::DepthRead].into(),
             Use::Read => [Self::InputRead].into(),
         }
@@ -75,7 +75,7 @@ pub enum State {
     Undefined,
     /// Colour output.
     Color,
-    /// Depth test.
+    /// Depth and stencil test.
     Depth,
     /// Input attachment.
     Input,
@@ -92,7 +92,7 @@ impl State {
     pub const fn of(how: Use) -> Self {
         match how {
             Use::Write | Use::Blend => Self::Color,
-            Use::Depth | Use::DepthTest => Self::Depth,
+            Use::Depth | Use::DepthTest | Use::Stencil => Self::Depth,
             Use::Read => Self::Input,
         }
     }

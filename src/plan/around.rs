@@ -99,7 +99,11 @@ pub(super) fn images(needs: &Needs, options: &Options) -> Vec<AroundImage> {
             levels,
             format: format.name(),
             bytes: texels * format.bytes() as u64,
-            why: format!("environment '{}'{}", environment.name, if needs.sky { ", seen as sky too" } else { "" }),
+            why: format!(
+                "environment '{}'{}",
+                environment.name,
+                if needs.sky { ", seen as sky too" } else { "" }
+            ),
         }
     }));
     images.extend(needs.lightmap.iter().flat_map(|map| {

@@ -113,6 +113,7 @@ fn pass(
             attachment,
             load,
             store,
+            stencil: stencil(frame, first.resource, stages),
             initial: if load == Load::Load { before } else { State::Undefined },
             last: after,
         });
@@ -130,6 +131,18 @@ fn pass(
         subpasses,
         dependencies: dependencies.finish(),
     }
+}
+
+/// What becomes of a resource's stencil in a pass: it is cleared when it is first used, and forgotten after the last use.
+fn stencil(frame: &Frame, resource: usize, stages: &[usize]) -> (Load, Store) {
+    let uses = |s: &usize| frame.stages[*s].uses.contains(&(resource, Use::Stencil));
+    let all: Vec<_> = (0..frame.stages.len()).filter(uses).collect();
+    if !stages.iter().any(uses) {
+        return (Load::DontCare, Store::DontCare);
+    }
+    let load = if all.iter().any(|s| *s < stages[0]) { Load::Load } else { Load::Clear };
+    let used_later = all.iter().any(|s| *s > stages[stages.len() - 1]);
+    (load, if used_later { Store::Store } else { Store::DontCare })
 }
 
 fn subpass(
@@ -163,8 +176,9 @@ fn subpass(
         colors: of(&[Use::Write, Use::Blend]),
         blend: stage.uses.iter().any(|(_, how)| *how == Use::Blend),
         inputs: of(&[Use::Read]),
-        depth: of(&[Use::Depth, Use::DepthTest]).first().copied(),
+        depth: of(&[Use::Depth, Use::DepthTest, Use::Stencil]).first().copied(),
         depth_write: stage.uses.iter().any(|(_, how)| *how == Use::Depth),
+        stencil: stage.uses.iter().any(|(_, how)| *how == Use::Stencil),
         preserve: live.iter().copied().filter(|&i| unused_here(&attachments[i])).collect(),
         live_color_bits: bits(false),
         live_depth_bits: bits(true),
@@ -283,7 +297,7 @@ pub fn attachments(
             transient: !is_output && in_passes().all(|a| a.load != Load::Load && a.store != Store::Store),
             usage: Usage {
                 color: has(&[Use::Write, Use::Blend]),
-                depth: has(&[Use::Depth, Use::DepthTest]),
+                depth: has(&[Use::Depth, Use::DepthTest, Use::Stencil]),
                 input: has(&[Use::Read]),
                 copy_source: if is_output { options.output_use == super::OutputUse::Copy } else { kept },
                 blend: has(&[Use::Blend]),

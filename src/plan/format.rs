@@ -23,6 +23,10 @@ named_enum! {
         Rgba32Float = "rgba32f",
         /// 32-bit float depth.
         D32Float = "d32f",
+        /// 32-bit float depth and 8 bits of stencil.
+        D32FloatS8 = "d32f_s8",
+        /// 24-bit unsigned normalised depth and 8 bits of stencil.
+        D24UnormS8 = "d24_s8",
     }
 }
 
@@ -35,7 +39,9 @@ impl Format {
             | Self::Rgba8Srgb
             | Self::Bgra8Srgb
             | Self::Rgb10a2Unorm
-            | Self::D32Float => 32,
+            | Self::D32Float
+            | Self::D24UnormS8 => 32,
+            Self::D32FloatS8 => 40,
             Self::Rgba16Float => 64,
             Self::Rgba32Float => 128,
         }
@@ -48,7 +54,12 @@ impl Format {
 
     /// Whether this is a depth format.
     pub const fn is_depth(self) -> bool {
-        matches!(self, Self::D32Float)
+        matches!(self, Self::D32Float) || self.has_stencil()
+    }
+
+    /// Whether it has stencil bits beside depth.
+    pub const fn has_stencil(self) -> bool {
+        matches!(self, Self::D32FloatS8 | Self::D24UnormS8)
     }
 }
 

@@ -124,10 +124,8 @@ pub struct DeviceFigures {
     pub cpu_light_lists_ms: Option<f64>,
     /// Pipeline statistics of the last frame: name and count.
     pub statistics: Vec<(String, Figure)>,
-    /// Draw calls of a frame.
-    pub draws: usize,
-    /// Pipeline, descriptor set and buffer bindings of a frame.
-    pub state_changes: usize,
+    /// What the last frame's commands consist of.
+    pub frame: super::FrameCounts,
     /// Frames rendered.
     pub frames: usize,
     /// Bytes of device memory that the renderer allocated, transient attachments excluded.
@@ -260,8 +258,14 @@ impl Plan {
                 flags.iter().filter(|(on, _)| *on).fold("depth".into(), |text, (_, flag)| text + flag)
             }
             P::Lighting if self.folded => format!("lighting, {} tone curve{around}", self.options.tonemap),
+            P::Lighting if matches!(self.light_way, super::LightWay::Volumes | super::LightWay::Stencil) => {
+                "lighting by what shines everywhere".into()
+            }
             P::Lighting => "lighting".into(),
-            P::Sky => format!("sky, {}", if self.has_gbuffer() { "not lit" } else { "tone-mapped as drawn" }),
+            P::Sky if self.has_gbuffer() => "sky".into(),
+            P::Sky => format!("sky, {} curve", self.options.tonemap),
+            P::LightMask(shape) => format!("light mask, {shape}"),
+            P::LightVolume(shape) => format!("light, {shape}"),
             P::Tonemap => format!("tonemap, {} curve{around}", self.options.tonemap),
         }
     }

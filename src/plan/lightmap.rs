@@ -44,7 +44,8 @@ pub struct SceneKinds<'a> {
 impl<'a> SceneKinds<'a> {
     /// Of a scene.
     pub fn new(scene: &'a Scene) -> Self {
-        let mut kinds = Self { scene, around: Around::of(scene), lightmapped: vec![false; scene.meshes.len()] };
+        let mut kinds =
+            Self { scene, around: Around::of(scene), lightmapped: vec![false; scene.meshes.len()] };
         for instance in scene.drawn_instances().filter(|i| has_part(scene, i)) {
             kinds.lightmapped[instance.mesh] = true;
         }

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::{LightWay, Needs, Options};
-use crate::visible::{Clusters, Grid};
+use super::{LightWay, Needs, Options, Path, Pipeline};
+use crate::visible::{Clusters, Grid, Reach};
 
 /// The bounds of one frame's light lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -37,18 +37,111 @@ impl std::fmt::Display for ClusterBudget {
     }
 }
 
-/// The way, never [`LightWay::Auto`]; what it needs; and why it was chosen, where that is not what was asked for.
-pub(super) fn resolve(needs: &Needs, options: &Options) -> (LightWay, Option<ClusterBudget>, Option<String>) {
-    let local = needs.local_lights();
+/// How a light is drawn that is added by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum VolumeShape {
+    /// A triangle over the whole image, for lights without an end and volumes that the far plane cuts.
+    Screen,
+    /// An icosahedron around a sphere.
+    Sphere,
+    /// A pyramid around a cone.
+    Cone,
+    /// A box.
+    Box,
+}
+
+impl VolumeShape {
+    /// Every shape, in the order in which they are drawn.
+    pub const ALL: [Self; 4] = [Self::Screen, Self::Sphere, Self::Cone, Self::Box];
+
+    /// Cones wider than this are taken as spheres, which hold less: half angles of more than 60 degrees.
+    const LEAST_CONE_COS: f32 = 0.5;
+
+    /// The shape of what a light reaches.
+    pub fn of(reach: &Reach) -> Self {
+        match *reach {
+            Reach::Cone { cos, range_m, .. } if range_m.is_finite() => {
+                if cos >= Self::LEAST_CONE_COS {
+                    Self::Cone
+                } else {
+                    Self::Sphere
+                }
+            }
+            Reach::Sphere { .. } => Self::Sphere,
+            Reach::Box { .. } => Self::Box,
+            Reach::Everywhere | Reach::Cone { .. } => Self::Screen,
+        }
+    }
+
+    /// Those that the scene's lights may come to have, as hosts change ranges and cones.
+    fn needed(needs: &Needs) -> impl Iterator<Item = Self> {
+        let needed = [
+            needs.local_lights() > 0,
+            needs.point_lights + needs.spot_lights > 0,
+            needs.spot_lights > 0,
+            needs.box_lights > 0,
+        ];
+        Self::ALL.into_iter().zip(needed).filter(|(_, needed)| *needed).map(|(shape, _)| shape)
+    }
+}
+
+impl std::fmt::Display for VolumeShape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Screen => "whole image (no end, or cut by the far plane)",
+            Self::Sphere => "icosahedron around its sphere",
+            Self::Cone => "pyramid around its cone",
+            Self::Box => "box",
+        })
+    }
+}
+
+/// What draws the lights of a G-buffer.
+pub(super) fn pipelines(needs: &Needs, way: LightWay) -> impl Iterator<Item = Pipeline> {
+    let one_by_one = matches!(way, LightWay::Volumes | LightWay::Stencil);
+    let at_once = !one_by_one || needs.global_lights() > 0;
+    let shapes = VolumeShape::needed(needs).filter(move |_| one_by_one);
+    let volumes = shapes.flat_map(move |shape| {
+        let masked = way == LightWay::Stencil && shape != VolumeShape::Screen;
+        masked.then_some(Pipeline::LightMask(shape)).into_iter().chain([Pipeline::LightVolume(shape)])
+    });
+    at_once.then_some(Pipeline::Lighting).into_iter().chain(volumes)
+}
+
+/// What [`Options::lights`] comes to.
+pub(super) struct Resolved {
+    /// Never [`LightWay::Auto`].
+    pub way: LightWay,
+    pub clusters: Option<ClusterBudget>,
+    /// Where it is not what was asked for, or a choice was made.
+    pub why: Option<String>,
+}
+
+/// # Errors
+/// [`crate::Error::Unsupported`] for lights that are added one by one to surfaces that are lit as they are drawn.
+pub(super) fn resolve(needs: &Needs, options: &Options, path: Path) -> crate::Result<Resolved> {
     let (way, why) = match options.lights {
-        _ if needs.lit.is_none() => (LightWay::Fullscreen, None),
+        LightWay::Auto => {
+            return Err(crate::Error::unsupported(
+                "the way of lights auto is not there yet",
+                "choose another way",
+            ));
+        }
         LightWay::Fullscreen => (LightWay::Fullscreen, None),
-        asked if local == 0 => {
-            let why = format!("lights: fullscreen, not {asked}: no light has a place");
-            (LightWay::Fullscreen, (asked != LightWay::Auto).then_some(why))
+        asked @ (LightWay::Volumes | LightWay::Stencil) if path != Path::Deferred => {
+            return Err(crate::Error::unsupported(
+                format!("{asked} needs a G-buffer to add lights to, which the path {path} has not"),
+                "choose the path deferred, or one of the ways fullscreen and clusters",
+            ));
+        }
+        // There is nothing to light, whatever was asked for.
+        _ if needs.lit.is_none() => (LightWay::Fullscreen, None),
+        asked if needs.local_lights() == 0 => {
+            (LightWay::Fullscreen, Some(format!("lights: fullscreen, not {asked}: no light has a place")))
         }
         asked => (asked, None),
     };
     let clusters = (way == LightWay::Clusters).then(|| ClusterBudget::new(needs.most_local_lights));
-    (way, clusters, why)
+    Ok(Resolved { way, clusters, why })
 }

@@ -10,11 +10,12 @@
 mod access;
 mod around;
 mod budget;
+mod counts;
 mod derive;
 mod format;
 mod layout;
-mod lightmap;
 mod ledger;
+mod lightmap;
 mod lights;
 mod needs;
 mod options;
@@ -26,13 +27,14 @@ mod tests;
 pub use access::{Access, Scope, State};
 pub use around::{Around, AroundImage, EnvironmentNeed};
 pub use budget::{Verdict, verdicts};
+pub use counts::{FrameCounts, Seen, StateChanges};
 pub use format::Format;
 pub use layout::{LayoutTable, Target};
 pub use ledger::{
     AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
 };
-pub use lights::ClusterBudget;
 pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
+pub use lights::{ClusterBudget, VolumeShape};
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
 pub use options::{Layout, LightWay, Options, OutputFormat, OutputUse, Path, Strategy, Tonemap};
@@ -52,12 +54,20 @@ pub struct Limits {
     pub max_input_attachments: u32,
     /// The longer side of an image, pixels.
     pub max_image_size: u32,
+    /// For depth where a stencil is needed.
+    pub depth_stencil: Format,
 }
 
 impl Default for Limits {
-    /// What every Vulkan 1.1 device allows (Vulkan specification, table "Required Limits").
+    /// What every Vulkan 1.1 device allows (Vulkan specification, table "Required Limits"), and the format for depth and
+    /// stencil that nearly every one has: of two, each has one.
     fn default() -> Self {
-        Self { max_color_attachments: 4, max_input_attachments: 4, max_image_size: 4096 }
+        Self {
+            max_color_attachments: 4,
+            max_input_attachments: 4,
+            max_image_size: 4096,
+            depth_stencil: Format::D32FloatS8,
+        }
     }
 }
 
@@ -130,6 +140,8 @@ pub struct PassAttachment {
     pub load: Load,
     /// At the pass's end.
     pub store: Store,
+    /// The same for the stencil beside depth, if the format has one.
+    pub stencil: (Load, Store),
     /// State before the pass.
     pub initial: State,
     /// State after the pass.
@@ -164,8 +176,10 @@ pub struct Subpass {
     pub inputs: Vec<usize>,
     /// Depth test.
     pub depth: Option<usize>,
-    /// Whether it also writes depth; else it draws only what is as near as what earlier subpasses wrote.
+    /// Whether it also writes depth.
     pub depth_write: bool,
+    /// Whether the stencil of the depth attachment is written and tested.
+    pub stencil: bool,
     /// Not used here, but needed later.
     pub preserve: Vec<usize>,
     /// Colour bits a pixel that the tile must hold during this subpass.
@@ -202,8 +216,12 @@ pub enum Pipeline {
     Depth(SurfaceKind),
     /// Draws the environment where no surface is.
     Sky,
-    /// Shades the G-buffer.
+    /// Shades the G-buffer by all lights, or, where those with a place are added one by one, by the others.
     Lighting,
+    /// Marks in the stencil what is in a light's volume; for lights of one shape, each before it is added.
+    LightMask(VolumeShape),
+    /// Adds lights of one shape, each on what its volume holds.
+    LightVolume(VolumeShape),
     /// Applies the tone curve.
     Tonemap,
 }
@@ -219,7 +237,7 @@ impl Pipeline {
         match self {
             Self::Surface(own) => own == kind,
             Self::Depth(own) => *own == kind.depth(),
-            Self::Sky | Self::Lighting | Self::Tonemap => false,
+            _ => false,
         }
     }
 }
@@ -262,14 +280,14 @@ impl Plan {
         check_dither(&options)?;
         check_ways(&options)?;
         let path = options.path;
-        let frame = stage::Frame::new(&needs, &options, path);
+        let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
+        let frame = stage::Frame::new(&needs, &options, path, light_way, limits.depth_stencil);
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
         check_counts(&passes, &options, limits)?;
-        let pipelines = pipelines(&frame, &needs);
-        let (light_way, clusters, why) = lights::resolve(&needs, &options);
         let around = around::images(&needs, &options);
+        let pipelines = pipelines(&frame, &needs, light_way);
         let folded = frame.folded;
         let mut notes = notes(&needs, &options, path, &attachments, folded);
         notes.extend(why);
@@ -357,12 +375,6 @@ fn check_ways(options: &Options) -> crate::Result<()> {
             "choose the path deferred, or leave `keep_gbuffer` out",
         ));
     }
-    if !matches!(options.lights, LightWay::Fullscreen | LightWay::Clusters) {
-        return Err(crate::Error::unsupported(
-            format!("the way of lights {} is not there yet", options.lights),
-            "choose one of the ways fullscreen and clusters",
-        ));
-    }
     Ok(())
 }
 
@@ -384,14 +396,15 @@ fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) -> crate::R
     Ok(())
 }
 
-fn pipelines(frame: &stage::Frame, needs: &Needs) -> Vec<(usize, Pipeline)> {
+fn pipelines(frame: &stage::Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pipeline)> {
     let stage = |name| frame.stages.iter().position(|s| s.name == name);
     let depths: BTreeSet<_> = needs.kinds.iter().map(|n| n.kind.depth()).collect();
     let depths =
         stage("depth").into_iter().flat_map(|s| depths.iter().map(move |&k| (s, Pipeline::Depth(k))));
     let surface = stage("geometry").or(stage("forward")).unwrap_or(0);
     let surfaces = needs.kinds.iter().map(|n| (surface, Pipeline::Surface(n.kind)));
-    let lighting = stage("lighting").map(|s| (s, Pipeline::Lighting));
+    let lighting =
+        stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
     let sky = needs.sky.then_some((surface, Pipeline::Sky));
     depths.chain(surfaces).chain(sky).chain(lighting).chain(tonemap).collect()

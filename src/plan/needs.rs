@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Around, EnvironmentNeed, LightmapNeed, LightmapUse};
+use super::{Around, EnvironmentNeed, LightmapNeed, LightmapUse, SceneKinds};
 use crate::scene::{AlphaMode, Background, Fog, Instance, LightKind, Material, Scene, TextureRef};
 
 /// The texture slots of a material, in the order of shader slots.
@@ -215,6 +215,11 @@ impl Needs {
     /// Lights that are not dark and have a place, so that they may be far from a pixel.
     pub fn local_lights(&self) -> usize {
         self.point_lights + self.spot_lights + self.box_lights
+    }
+
+    /// Lights that are not dark and shine everywhere alike.
+    pub fn global_lights(&self) -> usize {
+        self.directional_lights + self.hemisphere_lights
     }
 
     /// Reads them off a scene.

@@ -59,23 +59,29 @@ impl Plan {
     fn print_pass(&self, f: &mut Formatter<'_>, index: usize, pass: &Pass) -> Result {
         writeln!(f, "\nrender pass {index}: {}", pass.name)?;
         let name = |i: usize| self.attachments[pass.attachments[i].attachment].name.as_str();
+        let load = |load: Load| match load {
+            Load::Load => "LOAD",
+            Load::Clear => "clear",
+            Load::DontCare => "don't care",
+        };
+        let store = |store: Store| match store {
+            Store::Store => "STORE",
+            Store::DontCare => "don't care",
+        };
         for (i, a) in pass.attachments.iter().enumerate() {
-            let load = match a.load {
-                Load::Load => "LOAD",
-                Load::Clear => "clear",
-                Load::DontCare => "don't care",
-            };
-            let store = match a.store {
-                Store::Store => "STORE",
-                Store::DontCare => "don't care",
-            };
             writeln!(
                 f,
-                "  {:<22} load {load:<10}  store {store:<10}  {:?} -> {:?}",
+                "  {:<22} load {:<10}  store {:<10}  {:?} -> {:?}",
                 name(i),
+                load(a.load),
+                store(a.store),
                 a.initial,
                 a.last
             )?;
+            if self.attachments[a.attachment].format.has_stencil() {
+                let (first, last) = a.stencil;
+                writeln!(f, "  {:<22} load {:<10}  store {:<10}", "  its stencil", load(first), store(last))?;
+            }
         }
         for (i, s) in pass.subpasses.iter().enumerate() {
             let list = |l: &[usize]| l.iter().map(|&i| name(i)).collect::<Vec<_>>().join(", ");
@@ -88,8 +94,12 @@ impl Plan {
                 writeln!(f, "      writes  {}{blend}", list(&s.colors))?;
             }
             if let Some(depth) = s.depth {
-                let equal = if s.depth_write { "" } else { " (equal)" };
-                writeln!(f, "      tests   {}{equal}", name(depth))?;
+                let writes = match (s.depth_write, s.stencil) {
+                    (true, _) => "",
+                    (false, true) => " (writes stencil only)",
+                    (false, false) => " (writes nothing)",
+                };
+                writeln!(f, "      tests   {}{writes}", name(depth))?;
             }
             writeln!(
                 f,

@@ -1,6 +1,6 @@
 //! The stages of a frame and the resources that they exchange, before anything is placed in memory.
 
-use super::{Format, Layout, Needs, Options, Path, layout::Target};
+use super::{Format, Layout, LightWay, Needs, Options, Path, layout::Target};
 
 /// Something that stages write and read, one value a pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +30,8 @@ pub enum Use {
     Depth,
     /// Depth test against what earlier stages wrote.
     DepthTest,
+    /// The same, and the stencil is written and tested.
+    Stencil,
     /// Input attachment: this pixel of an earlier stage's output.
     Read,
 }
@@ -37,7 +39,7 @@ pub enum Use {
 impl Use {
     /// Whether earlier content matters.
     pub const fn reads(self) -> bool {
-        matches!(self, Self::Blend | Self::DepthTest | Self::Read)
+        matches!(self, Self::Blend | Self::Read | Self::DepthTest | Self::Stencil)
     }
 
     /// Whether content changes.
@@ -72,8 +74,9 @@ impl Frame {
     /// The final image's index in `resources`.
     pub const OUTPUT: usize = 0;
 
-    /// The least number of stages and resources that give the picture on this path, which is not [`Path::Auto`].
-    pub fn new(needs: &Needs, options: &Options, path: Path) -> Self {
+    /// The least number of stages and resources that give the picture on this path and in this way, none of which is
+    /// `Auto`. The format is for depth where the way needs a stencil.
+    pub fn new(needs: &Needs, options: &Options, path: Path, way: LightWay, depth_stencil: Format) -> Self {
         let mut resources = vec![Resource {
             name: "output",
             format: options.output.into(),
@@ -95,18 +98,26 @@ impl Frame {
         };
         let mut stages = Vec::new();
         let mut depth_uses = Vec::new();
-        if needs.triangles > 1 || (needs.sky && needs.triangles > 0) {
+        let one_by_one = matches!(way, LightWay::Volumes | LightWay::Stencil);
+        let before_sky = needs.sky && needs.triangles > 0;
+        let depth = (needs.triangles > 1 || one_by_one || before_sky).then(|| {
+            let stencil = way == LightWay::Stencil;
             let target = Target {
-                name: "depth_test",
-                format: Format::D32Float,
-                holds: "reversed device depth, 0 is far",
-                used_bits: 32,
+                name: if stencil { "depth_stencil_test" } else { "depth_test" },
+                format: if stencil { depth_stencil } else { Format::D32Float },
+                holds: match stencil {
+                    true => "reversed device depth, 0 is far; stencil: surfaces in a light's volume",
+                    false => "reversed device depth, 0 is far",
+                },
+                used_bits: if stencil { depth_stencil.bits() } else { 32 },
                 clear: Some([0.0; 4]),
             };
-            let mut why = Vec::new();
-            why.extend((needs.triangles > 1).then(|| format!("{} triangles hide each other", needs.triangles)));
-            why.extend(needs.sky.then(|| "the sky is behind surfaces".into()));
-            let depth = add(&target, false, why.join(", "));
+            let mut why = vec![format!("{} triangles hide each other", needs.triangles)];
+            why.extend(one_by_one.then(|| "a light's volume is tested against it".into()));
+            why.extend(before_sky.then(|| "the sky is behind them".into()));
+            add(&target, false, why.join("; "))
+        });
+        if let Some(depth) = depth {
             if options.depth_prepass {
                 let why = "what is nearest is found first, so that no pixel is shaded twice".into();
                 stages.push(Stage { name: "depth", uses: vec![(depth, Use::Depth)], why });
@@ -160,12 +171,13 @@ impl Frame {
             .iter()
             .map(|t| add(t, options.keep_gbuffer, format!("lighting reads it for lit surfaces ({lit})")))
             .collect();
-        let light_why = if needs.prelit.is_empty() {
-            "lighting and tonemap are kept apart on request".into()
-        } else {
-            needs.prelit.join(", ")
-        };
-        let folded = needs.prelit.is_empty() && options.fold;
+        let mut light_why = needs.prelit.clone();
+        light_why.extend(one_by_one.then(|| "lights are added one by one".into()));
+        if light_why.is_empty() {
+            light_why.push("lighting and tonemap are kept apart on request".into());
+        }
+        let light_why = light_why.join(", ");
+        let folded = needs.prelit.is_empty() && options.fold && !one_by_one;
         let light = (!folded).then(|| add(&table.light, options.keep_gbuffer, light_why));
         if let Some(light) = light {
             if needs.fog.is_some() {
@@ -185,7 +197,9 @@ impl Frame {
                 if needs.kinds.len() == 1 { "1 kind".into() } else { format!("{} kinds", needs.kinds.len()) }
             ),
         };
-        let read = surface.iter().map(|&r| (r, Use::Read));
+        let test = if way == LightWay::Stencil { Use::Stencil } else { Use::DepthTest };
+        let test = depth.filter(|_| one_by_one).map(|depth| (depth, test));
+        let read = surface.iter().map(|&r| (r, Use::Read)).chain(test);
         let lighting = Stage {
             name: "lighting",
             uses: match light {
@@ -193,8 +207,9 @@ impl Frame {
                 None => std::iter::once((Self::OUTPUT, Use::Write)).chain(read).collect(),
             },
             why: format!(
-                "{}{}",
+                "{}{}{}",
                 lights(),
+                if one_by_one { ", each where its volume is" } else { "" },
                 if folded { "; applies the tone curve too, since no light is summed before it" } else { "" }
             ),
         };

@@ -99,7 +99,7 @@ fn check_dependencies(
                 {
                     let mut after = Access::of(b);
                     if is_last {
-                        after.insert(Access::store(matches!(b, Use::Depth | Use::DepthTest)));
+                        after.insert(Access::store(matches!(b, Use::Depth | Use::DepthTest | Use::Stencil)));
                     }
                     let covered = pass.dependencies.iter().any(|d| {
                         (d.from, d.to) == (Some(i), Some(j))
@@ -146,6 +146,7 @@ prop_compose! {
                 let how = match how[stage] % 4 {
                     1 if is_depth && !first => Use::DepthTest,
                     2 if is_depth && !first => continue,
+                    3 if is_depth && !first => Use::Stencil,
                     _ if is_depth => Use::Depth,
                     _ if first && !clear => Use::Write,
                     0 if !first => Use::Read,

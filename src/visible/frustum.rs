@@ -98,7 +98,7 @@ impl Frustum {
                     // The cone's farthest point along the normal: on the cap if it holds the normal, on its rim, or
                     // the apex. `a` is the normal's part along the axis, `b` the one across.
                     let a = normal.dot(direction_world);
-                    let b = (length * length - a * a).max(0.0).sqrt();
+                    let b = normal.cross(direction_world).length();
                     let error = e[0][i] + e[1][i] + e[2][i] + length * ROUNDING;
                     let farthest = if a >= length * cos { length } else { a * cos + b * sin } + error;
                     // An infinite range times 0 is no number.

@@ -3,7 +3,7 @@
 use super::ignored_unless_required;
 use ontile::gpu::{Device, Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::{Load, Needs, Options, Plan};
+use ontile::plan::{Load, Needs, Options, PassAttachment, Plan};
 use ontile::scene::Scene;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -16,6 +16,9 @@ const LOADS: &str = "attachment-needs-readback";
 
 /// What they say of a pass that only clears, which is all that a scene of nothing needs.
 const ONLY_CLEARS: &str = "redundant-attachment-on-tile";
+
+/// What it says, mistakenly, of a pass that clears no attachment but a stencil.
+const CLEARS_STENCIL: &str = "ClearValueWithoutLoadOpClear";
 
 /// A device to render on.
 pub struct Gpu<'a> {
@@ -79,6 +82,13 @@ impl Gpu<'_> {
         let plan = plan.unwrap_or_else(|error| panic!("{}: {error}", scene.name));
         if plan.passes.iter().flat_map(|p| &p.attachments).any(|a| a.load == Load::Load) {
             self.excused.borrow_mut().insert(LOADS);
+        }
+        let clears = |a: &PassAttachment| [a.load, a.stencil.0].map(|load| load == Load::Clear);
+        let only_stencil = |attachments: &[PassAttachment]| {
+            attachments.iter().any(|a| clears(a)[1]) && !attachments.iter().any(|a| clears(a)[0])
+        };
+        if plan.passes.iter().any(|p| only_stencil(&p.attachments)) {
+            self.excused.borrow_mut().insert(CLEARS_STENCIL);
         }
         if plan.pipelines.is_empty() {
             self.excused.borrow_mut().insert(ONLY_CLEARS);

@@ -3,8 +3,8 @@
 use ontile::environment::{Panorama, Prefiltered, TexelFormat, direction_from_uv};
 use ontile::glam::{DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh::view::look_at_mat4};
 use ontile::scene::{
-    AlphaMode, Background, Camera, Environment, Fog, FogHeight, Image, Instance, Light, LightKind, Lightmap, LightmapRect, Material, Mesh,
-    Projection, Sampler, Scene, Texture, TextureRef,
+    AlphaMode, Background, Camera, Environment, Fog, FogHeight, Image, Instance, Light, LightKind, Lightmap,
+    LightmapRect, Material, Mesh, Projection, Sampler, Scene, Texture, TextureRef,
 };
 use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};

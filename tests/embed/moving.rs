@@ -102,7 +102,7 @@ fn ten_thousand_frames_of_movement_grow_nothing() {
             });
             allocations += if frame == 0 { 0 } else { counted.count_total };
         });
-        objects += renderer.recorded().objects;
+        objects += renderer.recorded().counts.objects.visible;
     }
     engine.wait();
     assert_eq!(allocations, 0);

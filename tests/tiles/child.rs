@@ -2,7 +2,7 @@
 
 use crate::common::scenes;
 use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
-use ontile::plan::{Access, Layout, Needs, Options, Path as LightPath, Plan, Store, Strategy};
+use ontile::plan::{Access, Layout, LightWay, Needs, Options, Path as LightPath, Plan, Store, Strategy};
 use ontile::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -14,6 +14,7 @@ pub struct Case {
     pub scene: String,
     pub layout: Layout,
     pub path: LightPath,
+    pub lights: LightWay,
     pub depth_prepass: bool,
     pub strategy: Strategy,
     pub recycle: bool,
@@ -59,6 +60,7 @@ impl Case {
             scene: scene.into(),
             layout,
             path: LightPath::Deferred,
+            lights: LightWay::Fullscreen,
             depth_prepass: false,
             strategy: Strategy::Subpasses,
             recycle: true,
@@ -78,6 +80,7 @@ impl Case {
             strategy: self.strategy,
             layout: self.layout,
             path: self.path,
+            lights: self.lights,
             depth_prepass: self.depth_prepass,
             recycle: self.recycle,
             ..Options::default()

@@ -11,7 +11,7 @@ mod common;
 use child::{Case, Fault, Told};
 use common::turnip::Turnip;
 use ontile::measure::tiler::{TilerTrace, Verdict};
-use ontile::plan::{Layout, Path as LightPath, Strategy};
+use ontile::plan::{Layout, LightWay, Path as LightPath, Strategy};
 use serde_json::Value;
 use std::{path::Path, thread};
 
@@ -126,6 +126,13 @@ fn one_pass_stays_on_the_tile() {
         (2, Case::new("lit_textures", Layout::Exact)),
         (1, metallic("wholly_unlit")),
         (1, metallic("one_unlit_triangle")),
+        (3, Case { lights: LightWay::Clusters, ..metallic(ALL_STAGES) }),
+        (3, Case { lights: LightWay::Volumes, ..metallic(ALL_STAGES) }),
+        (3, Case { lights: LightWay::Stencil, ..metallic(ALL_STAGES) }),
+        (2, Case { lights: LightWay::Clusters, ..metallic("lights_only") }),
+        (3, Case { lights: LightWay::Volumes, ..metallic("lights_only") }),
+        (3, Case { lights: LightWay::Stencil, ..metallic("lights_only") }),
+        (1, Case { path: LightPath::Forward, lights: LightWay::Clusters, ..metallic("lights_only") }),
         (1, Case { path: LightPath::Forward, ..metallic(ALL_STAGES) }),
         (1, Case { path: LightPath::Forward, ..metallic("lights_only") }),
         (2, Case { path: LightPath::Forward, depth_prepass: true, ..metallic(ALL_STAGES) }),

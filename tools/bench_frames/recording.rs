@@ -35,12 +35,12 @@ fn measure_scene(device: &Device, distinct_meshes: bool) -> Result<Recording> {
     let mut host = Host::new(device, &scene, &Options { size: [64, 64], ..Options::default() }, true)?;
     host.record(&view)?;
     let frames = (0..FRAMES).map(|_| host.record(&view)).collect::<Result<Vec<_>>>()?;
-    let recorded = host.renderer.recorded();
+    let counts = host.renderer.recorded().counts;
     Ok(Recording {
         objects: OBJECTS,
         distinct_meshes,
-        draws: recorded.draws,
-        state_changes: recorded.state_changes,
+        draws: counts.draws,
+        state_changes: counts.state_changes.total(),
         record_ms: Summary::of(frames.iter().map(|(ms, _)| *ms)),
         most_allocations: frames.iter().map(|(_, allocations)| *allocations).max().unwrap_or_default(),
     })

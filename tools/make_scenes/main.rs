@@ -5,6 +5,7 @@
 
 pub mod bench;
 pub mod canyon;
+mod chapel;
 mod courtyard;
 mod glb;
 mod grid;

@@ -1,6 +1,6 @@
 //! The command line: which scenes are made, and whether they are written or compared.
 
-use super::{bench, canyon, courtyard, grid, interior, lamps, unlit};
+use super::{bench, canyon, chapel, courtyard, grid, interior, lamps, unlit};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::fs;
 use std::io::ErrorKind;
@@ -59,6 +59,8 @@ struct Bench {
 /// A scene of `assets/`.
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum Shipped {
+    /// A corner of a chapel under one light of each kind
+    Chapel,
     /// A walled courtyard at dusk
     Courtyard,
     /// Spheres from plastic to metal, from glossy to matt
@@ -75,6 +77,7 @@ impl Shipped {
     /// The scene's file name.
     pub fn file_name(self) -> &'static str {
         match self {
+            Self::Chapel => "chapel.glb",
             Self::Courtyard => "courtyard.glb",
             Self::Grid => "grid.glb",
             Self::Interior => "interior.glb",
@@ -86,6 +89,7 @@ impl Shipped {
     /// The file's bytes.
     pub fn glb(self) -> Vec<u8> {
         match self {
+            Self::Chapel => chapel::glb(),
             Self::Courtyard => courtyard::glb(),
             Self::Grid => grid::glb(),
             Self::Interior => interior::glb(),

@@ -34,25 +34,27 @@ const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
 const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
 const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
-const LIGHTMAP_RECTS: u32 = shared("BINDING_LIGHTMAP_RECTS");
+const LIGHTMAPS: u32 = shared("BINDING_LIGHTMAPS");
 const LIGHTMAP_COLOR: u32 = shared("BINDING_LIGHTMAP_COLOR");
 const LIGHTMAP_SCALE: u32 = shared("BINDING_LIGHTMAP_SCALE");
+const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 10] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 11] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
         (FRAME, T::UNIFORM_BUFFER, both),
         (INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
-        (LIGHTS, T::STORAGE_BUFFER, S::FRAGMENT),
+        (LIGHTS, T::STORAGE_BUFFER, both),
         (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
         (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
-        (LIGHTMAP_RECTS, T::STORAGE_BUFFER, S::VERTEX),
+        (LIGHTMAPS, T::STORAGE_BUFFER, S::VERTEX),
         (LIGHTMAP_COLOR, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (LIGHTMAP_SCALE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
 
@@ -67,6 +69,7 @@ impl Family {
             Pipeline::Surface(_) => &[FRAME, INSTANCES, LIGHTS],
             Pipeline::Lighting if clusters => &[FRAME, LIGHTS, CLUSTERS],
             Pipeline::Lighting => &[FRAME, LIGHTS],
+            Pipeline::LightMask(_) | Pipeline::LightVolume(_) => &[FRAME, LIGHTS, VOLUMES],
             Pipeline::Sky | Pipeline::Tonemap => &[FRAME],
         };
         let around: &[u32] = match pipeline {
@@ -76,23 +79,24 @@ impl Family {
                 Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
             },
             Pipeline::Sky => &[ENVIRONMENT, RADIANCE],
-            Pipeline::Depth(_) | Pipeline::Lighting | Pipeline::Tonemap => &[],
+            _ => &[],
         };
         let lightmap: &[u32] = match pipeline {
-            Pipeline::Surface(kind) if kind.has_lightmap() => &[LIGHTMAP_RECTS, LIGHTMAP_COLOR, LIGHTMAP_SCALE],
+            Pipeline::Surface(kind) if kind.has_lightmap() => &[LIGHTMAPS, LIGHTMAP_COLOR, LIGHTMAP_SCALE],
             _ => &[],
         };
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
-            Pipeline::Sky => SecondSet::Nothing,
+            Pipeline::LightMask(_) | Pipeline::Sky => SecondSet::Nothing,
             Pipeline::Surface(kind) | Pipeline::Depth(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
-            Pipeline::Lighting | Pipeline::Tonemap => {
+            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
-        Self { frame: frame.iter().chain(around).chain(lightmap).fold(0, |bits, binding| bits | 1 << binding), second }
+        let frame = frame.iter().chain(around).chain(lightmap);
+        Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second }
     }
 
     /// Whether the second set is a material's.

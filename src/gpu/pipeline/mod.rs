@@ -95,7 +95,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn build(&self, stage: usize, pipeline: &Pipeline, place: Place) -> Result<Owned<vk::Pipeline>> {
+    fn build(&self, index: usize, pipeline: &Pipeline, place: Place) -> Result<Owned<vk::Pipeline>> {
         let plan = self.plan;
         let (vertex, fragment, constants) = modules(plan, pipeline);
         let vertex = self.module(vertex)?;
@@ -104,29 +104,22 @@ impl Builder<'_> {
         let special = vk::SpecializationInfo::default()
             .map_entries(&entries)
             .data(bytemuck::cast_slice(&constants.data));
-        let mut stages = vec![
+        let stage = |stage, module: &Owned<vk::ShaderModule>| {
             vk::PipelineShaderStageCreateInfo::default()
-                .stage(vk::ShaderStageFlags::VERTEX)
-                .module(vertex.raw())
-                .name(ENTRY),
-        ];
-        stages.extend(fragment.as_ref().map(|fragment| {
-            vk::PipelineShaderStageCreateInfo::default()
-                .stage(vk::ShaderStageFlags::FRAGMENT)
-                .module(fragment.raw())
+                .stage(stage)
+                .module(module.raw())
                 .name(ENTRY)
                 .specialization_info(&special)
-        }));
-        let (kind, input) = match pipeline {
-            Pipeline::Surface(kind) => (Some(kind), VertexInput::new(kind)?),
-            Pipeline::Depth(kind) => (Some(kind), VertexInput::of_depth(kind)?),
-            Pipeline::Sky | Pipeline::Lighting | Pipeline::Tonemap => (None, VertexInput::default()),
         };
-        let subpass = plan.subpass(stage).2;
-        let state = match pipeline {
-            Pipeline::Sky => FixedState::sky(subpass),
-            _ => FixedState::new(subpass, kind),
+        let vertex = stage(vk::ShaderStageFlags::VERTEX, &vertex);
+        let fragment = fragment.as_ref().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module));
+        let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
+        let input = match pipeline {
+            Pipeline::Surface(kind) => VertexInput::new(kind)?,
+            Pipeline::Depth(kind) => VertexInput::of_depth(kind)?,
+            _ => VertexInput::default(),
         };
+        let state = FixedState::new(plan.subpass(index).2, pipeline);
         self.create(&stages, &input, &state, place, &plan.pipeline_text(pipeline))
     }
 

@@ -1,12 +1,14 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightingConstants, Module, OutputConstants, SkyConstants, Specialization, TextureSlot,
+    GeometryConstants, LightLoop, LightingConstants, Module, OutputConstants, SkyConstants, Specialization,
+    TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{Pipeline, Plan, SurfaceKind};
+use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
 
-/// Vertex and fragment shader of a pipeline, and what the latter is specialised with; solid depth has no fragment shader.
+/// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
+/// are specialised with.
 pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
     let layout = plan.options.layout;
     let output = OutputConstants {
@@ -25,6 +27,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         fold: plan.folded.then_some(output),
     };
     let clusters = plan.clusters.is_some();
+    let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
     let (vertex, fragment, constants) = match pipeline {
         Pipeline::Depth(kind) => {
             let textured = kind.textures != 0;
@@ -61,7 +64,15 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             (Module::Fullscreen, Module::Sky { layout }, constants.specialization())
         }
         Pipeline::Lighting => {
-            (Module::Fullscreen, Module::Lighting { layout, clusters }, lighting.specialization())
+            let lights = if clusters { LightLoop::Cluster } else { LightLoop::All };
+            let lighting = if one_by_one { lighting.only_global() } else { lighting };
+            (Module::Fullscreen, Module::Lighting { layout, lights }, lighting.specialization())
+        }
+        Pipeline::LightMask(shape) => return (Module::LightVolume, None, shape_constant(*shape)),
+        Pipeline::LightVolume(shape) => {
+            let module = Module::Lighting { layout, lights: LightLoop::One };
+            let constants = lighting.only_local().specialization().and(shape_constant(*shape));
+            (Module::LightVolume, module, constants)
         }
         Pipeline::Tonemap => {
             let fog = plan.needs.fog.is_some();
@@ -69,6 +80,15 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         }
     };
     (vertex, Some(fragment), constants)
+}
+
+fn shape_constant(shape: VolumeShape) -> Specialization {
+    Specialization::volume(match shape {
+        VolumeShape::Screen => const { shared("VOLUME_SCREEN") },
+        VolumeShape::Sphere => const { shared("VOLUME_SPHERE") },
+        VolumeShape::Cone => const { shared("VOLUME_CONE") },
+        VolumeShape::Box => const { shared("VOLUME_BOX") },
+    })
 }
 
 fn vertex_module(kind: &SurfaceKind) -> Module {

@@ -6,7 +6,7 @@ use super::super::scene_data::vertex_streams;
 use super::super::shader::shared;
 use super::super::{StreamKind, texel_bytes};
 use crate::Result;
-use crate::plan::SurfaceKind;
+use crate::plan::{Pipeline, Subpass, SurfaceKind, VolumeShape};
 
 /// Vertex attributes in the order of their streams.
 #[derive(Default)]
@@ -63,23 +63,16 @@ pub(super) struct FixedState {
 }
 
 impl FixedState {
-    /// A full-screen triangle at the far plane, seen where nothing is before it.
-    pub(super) fn sky(subpass: &crate::plan::Subpass) -> Self {
-        let state = Self::new(subpass, None);
-        let at_clear_depth = |depth: vk::PipelineDepthStencilStateCreateInfo<'static>| {
-            depth.depth_write_enable(false).depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL)
-        };
-        Self { depth: state.depth.map(at_clear_depth), ..state }
-    }
-
-    pub(super) fn new(subpass: &crate::plan::Subpass, kind: Option<&SurfaceKind>) -> Self {
-        let cull = match kind {
-            Some(kind) if !kind.double_sided => vk::CullModeFlags::BACK,
+    pub(super) fn new(subpass: &Subpass, pipeline: &Pipeline) -> Self {
+        let cull = match pipeline {
+            Pipeline::Surface(kind) | Pipeline::Depth(kind) if !kind.double_sided => vk::CullModeFlags::BACK,
+            // The far side of a volume is there wherever the camera is, and covers each pixel once.
+            Pipeline::LightVolume(shape) if *shape != VolumeShape::Screen => vk::CullModeFlags::FRONT,
             _ => vk::CullModeFlags::NONE,
         };
         // Clip space has y down, so triangles that are counter-clockwise in the world stay so on the image.
-        let front = match kind {
-            Some(kind) if kind.mirrored => vk::FrontFace::CLOCKWISE,
+        let front = match pipeline {
+            Pipeline::Surface(kind) | Pipeline::Depth(kind) if kind.mirrored => vk::FrontFace::CLOCKWISE,
             _ => vk::FrontFace::COUNTER_CLOCKWISE,
         };
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
@@ -87,18 +80,12 @@ impl FixedState {
             .cull_mode(cull)
             .front_face(front)
             .line_width(1.0);
-        let depth = subpass.depth.map(|_| {
-            vk::PipelineDepthStencilStateCreateInfo::default()
-                .depth_test_enable(true)
-                .depth_write_enable(subpass.depth_write)
-                .depth_compare_op(match subpass.depth_write {
-                    true => vk::CompareOp::GREATER,
-                    false => vk::CompareOp::EQUAL,
-                })
-        });
+        let depth = subpass.depth.map(|_| depth_stencil(subpass, pipeline));
         let all =
             vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
-        let one = if subpass.blend {
+        let one = if matches!(pipeline, Pipeline::LightMask(_)) {
+            vk::PipelineColorBlendAttachmentState::default()
+        } else if subpass.blend {
             all.blend_enable(true)
                 .src_color_blend_factor(vk::BlendFactor::ONE)
                 .dst_color_blend_factor(vk::BlendFactor::ONE)
@@ -110,5 +97,40 @@ impl FixedState {
             all
         };
         Self { raster, depth, blend: vec![one; subpass.colors.len()] }
+    }
+}
+
+/// Depth is reversed: nearer is greater.
+fn depth_stencil(subpass: &Subpass, pipeline: &Pipeline) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
+    let test = vk::PipelineDepthStencilStateCreateInfo::default()
+        .depth_test_enable(true)
+        .depth_write_enable(subpass.depth_write);
+    let every = vk::StencilOpState::default().compare_mask(0xff).write_mask(0xff);
+    match pipeline {
+        // Surfaces whose depth is there already pass where they are what was found nearest.
+        Pipeline::Surface(_) | Pipeline::Depth(_) => test.depth_compare_op(match subpass.depth_write {
+            true => vk::CompareOp::GREATER,
+            false => vk::CompareOp::EQUAL,
+        }),
+        // At the far plane: seen where nothing is before it.
+        Pipeline::Sky => test.depth_write_enable(false).depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL),
+        // A surface in front of the volume has both of its sides behind it, one behind the volume none, and one within
+        // it the far side only: it alone is left with a count that is not 0, whatever side is counted first. Without a
+        // near plane's end it holds too: what the near plane cuts off would have been in front of all surfaces.
+        Pipeline::LightMask(_) => {
+            let count = every.compare_op(vk::CompareOp::ALWAYS);
+            test.depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL)
+                .stencil_test_enable(true)
+                .front(count.depth_fail_op(vk::StencilOp::DECREMENT_AND_WRAP))
+                .back(count.depth_fail_op(vk::StencilOp::INCREMENT_AND_WRAP))
+        }
+        // Shades what was marked and clears the mark, so that the next light finds none.
+        Pipeline::LightVolume(shape) if subpass.stencil && *shape != VolumeShape::Screen => {
+            let marked = every.compare_op(vk::CompareOp::NOT_EQUAL).pass_op(vk::StencilOp::ZERO);
+            test.depth_compare_op(vk::CompareOp::LESS).stencil_test_enable(true).front(marked).back(marked)
+        }
+        // Surfaces in front of what is drawn: of a volume's far side, or of a triangle at an infinite distance, which
+        // leaves out where there is none.
+        _ => test.depth_compare_op(vk::CompareOp::LESS),
     }
 }

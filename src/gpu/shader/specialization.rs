@@ -26,6 +26,11 @@ impl Specialization {
         self
     }
 
+    /// The constant of [`super::Module::LightVolume`]: one of the numbers `VOLUME_*` of `glsl/shared.h`.
+    pub fn volume(shape: u32) -> Self {
+        Self::from_pairs(&[(const { shared("ID_VOLUME_SHAPE") }, shape)])
+    }
+
     fn from_pairs(pairs: &[(u32, u32)]) -> Self {
         Self {
             ids: pairs.iter().map(|(id, _)| *id).collect(),
@@ -124,6 +129,16 @@ pub struct LightingConstants {
 }
 
 impl LightingConstants {
+    /// For lights that shine everywhere alone.
+    pub fn only_global(self) -> Self {
+        Self { has_point: false, has_spot: false, has_box: false, ..self }
+    }
+
+    /// For lights that have a place alone.
+    pub fn only_local(self) -> Self {
+        Self { has_directional: false, has_hemisphere: false, ..self }
+    }
+
     /// As ids and values.
     pub fn specialization(&self) -> Specialization {
         let lights = Specialization::from_pairs(&[

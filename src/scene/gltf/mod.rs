@@ -109,8 +109,9 @@ fn load(doc: &Document) -> Result<Scene> {
     }
     scene.environment = environment::read_environment(doc)?;
     let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
-    let has_light = !scene.lights.is_empty() || scene.environment.is_some() || scene.lightmap.is_some();
-    if is_lit && !has_light {
+    let is_lit_by_nothing =
+        scene.lights.is_empty() && scene.environment.is_none() && scene.lightmap.is_none();
+    if is_lit && is_lit_by_nothing {
         scene.lights = defaults::lights(&scene.cameras[0]);
         scene.has_default_lights = true;
         scene.warnings.push(DEFAULT_LIGHTS.into());

@@ -104,7 +104,7 @@ impl Racer {
         for frame in 0..WARM_UP {
             racer.frame(Clock::Wall)?;
             if frame == 0 {
-                racer.measured.first_draws = racer.host.renderer.recorded().draws;
+                racer.measured.first_draws = racer.host.renderer.recorded().counts.draws;
             }
         }
         racer.measured.frame_ms.clear();
@@ -124,13 +124,13 @@ impl Racer {
     }
 
     fn finish(self) -> Outcome {
-        let (recorded, plan) = (self.host.renderer.recorded(), self.host.renderer.plan());
+        let (counts, plan) = (self.host.renderer.recorded().counts, self.host.renderer.plan());
         Outcome::Measured(Measured {
             record_ms: rounded(median(&self.record_ms).unwrap_or_default()),
-            draws: recorded.draws,
-            state_changes: recorded.state_changes,
-            objects: recorded.objects,
-            lights: recorded.lights,
+            draws: counts.draws,
+            state_changes: counts.state_changes.total(),
+            objects: counts.objects.visible,
+            lights: counts.lights.visible,
             plan: format!("{}, {}", plan.path, plan.light_way),
             ..self.measured
         })
