@@ -29,9 +29,9 @@ pub struct SceneArgs {
     /// Light from every direction alike, in cd/m² [default: the scene's own]
     #[arg(long, value_name = "RADIANCE", value_parser = radiance, allow_negative_numbers = true)]
     pub ambient: Option<f32>,
-    /// What is seen where there is no surface: a colour in sRGB, which neither exposure nor tone curve change
-    /// [default: the scene's own, else black]
-    #[arg(long, value_name = "#RRGGBB", value_parser = background)]
+    /// What is seen where there is no surface: the environment, or a colour in sRGB, which neither exposure nor tone curve
+    /// change [default: the scene's own, else black]
+    #[arg(long, value_name = "environment|#RRGGBB", value_parser = background)]
     pub background: Option<Background>,
     /// Fog: the share of light that is lost per metre; 0 is none [default: the scene's own]
     #[arg(long, value_name = "DENSITY", value_parser = fog_density, allow_negative_numbers = true)]
@@ -238,7 +238,11 @@ pub fn radiance(text: &str) -> Result<f32, String> {
 }
 
 fn background(text: &str) -> Result<Background, String> {
-    Background::from_hex(text).ok_or_else(|| "give a colour as six hexadecimal digits, as in #87ceeb".into())
+    if text == "environment" {
+        return Ok(Background::Environment);
+    }
+    let message = "give 'environment', or a colour as six hexadecimal digits, as in #87ceeb";
+    Background::from_hex(text).ok_or_else(|| message.into())
 }
 
 fn fog_density(text: &str) -> Result<f32, String> {

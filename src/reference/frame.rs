@@ -131,8 +131,11 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
         let (x, y) = (index % width, index / width);
         let edge = is_edge(&visibility, &view, &centers, &corners, x, y);
         let Some(hit) = centers.at(x, y) else {
-            let nothing = Attributes::default();
-            return Pixel { edge, ..finish(scene, &view, settings, None, nothing, DVec3::ZERO) };
+            let sky = match scene.background {
+                Background::Environment => around.sky(view.ray_through_pixel([x, y]).direction.normalize()),
+                Background::Black | Background::Color(_) => DVec3::ZERO,
+            };
+            return Pixel { edge, ..finish(scene, &view, settings, None, Attributes::default(), sky) };
         };
         let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
         let exact = attributes(&visibility, &around, &view, position_world, hit);

@@ -6,7 +6,7 @@ use glam::Mat4;
 
 use super::super::convert;
 use super::super::shared::InstanceData;
-use crate::plan::{Around, CasterKind, ShadowMap, SurfaceKind};
+use crate::plan::{CasterKind, SceneKinds, ShadowMap, SurfaceKind};
 use crate::scene::{Aabb, Scene};
 use crate::visible::Frustum;
 
@@ -42,7 +42,7 @@ pub(super) struct Casters {
 
 impl Casters {
     pub(super) fn new(scene: &Scene, map: &ShadowMap) -> Self {
-        let around = Around::of(scene);
+        let kinds = SceneKinds::new(scene);
         let mut order: Vec<_> = scene
             .instances
             .iter()
@@ -51,7 +51,7 @@ impl Casters {
             .filter_map(|(index, instance)| {
                 let mesh = &scene.meshes[instance.mesh];
                 let material = &scene.materials[mesh.material];
-                let surface = SurfaceKind::new(mesh, material, instance.is_mirrored(), around);
+                let surface = SurfaceKind::new(&kinds, instance);
                 let kind = CasterKind::new(&surface, material)?;
                 let pipeline = map.casters.iter().position(|k| *k == kind);
                 let masked = kind.mask.map(|_| mesh.material);

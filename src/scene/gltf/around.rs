@@ -2,7 +2,7 @@
 //!
 //! | `extras.ontile` | on | value |
 //! |---|---|---|
-//! | `background` | the scene | `"#RRGGBB"` ([`Background::Color`]) |
+//! | `background` | the scene | `"#RRGGBB"` ([`Background::Color`]) or `"environment"` |
 //! | `fog` | the scene | `{"density": number, "color": [r, g, b], "base": number, "scale": number}`; the last two belong together and may be left out ([`Fog`]) |
 //! | `lightmap` | the scene | `{"color_image": index, "scale_image": index, "unit_lx": number}` ([`Lightmap`]) |
 //! | `lightmap` | nodes | `[x, y, width, height]`, texture coordinates ([`LightmapRect`]); `false`: it shall have none |
@@ -21,9 +21,12 @@ pub fn read_background(doc: &Document) -> Result<Background> {
     let extras = node::extras_of_scene(doc)?;
     let Some(extra) = extras.get("background") else { return Ok(Background::default()) };
     let text = extra.text()?;
+    if text == "environment" {
+        return Ok(Background::Environment);
+    }
     Background::from_hex(text).ok_or_else(|| {
         let problem = format!("is '{}'", source::shortened(text));
-        extra.bad(problem, "write a colour as six hexadecimal digits: #87ceeb")
+        extra.bad(problem, "write environment, or a colour as six hexadecimal digits: #87ceeb")
     })
 }
 
