@@ -3,54 +3,16 @@
 //! [`Module::all`] is the one list. `tools/shaders` compiles it into `glsl/spirv/`, this module embeds the result,
 //! and a test compares the two.
 
+mod numbers;
 mod specialization;
 
+pub use numbers::shared;
 pub use specialization::{
     GeometryConstants, LightingConstants, OutputConstants, SkyConstants, Specialization, TextureSlot,
 };
 
 use crate::plan::{Around, Layout};
 use crate::{Error, Result};
-
-/// The number that `glsl/shared.h` defines for `name`; call it in a `const`, so that a missing name does not compile.
-///
-/// # Panics
-/// If the header has no line `#define name NUMBER`.
-pub const fn shared(name: &str) -> u32 {
-    let (text, name) = (include_str!("../../glsl/shared.h").as_bytes(), name.as_bytes());
-    let mut line = 0;
-    while line < text.len() {
-        if let Some(at) = skip(text, line, b"#define ")
-            && let Some(at) = skip(text, at, name)
-            && let Some(mut at) = skip(text, at, b" ")
-        {
-            let mut number = 0;
-            assert!(at < text.len() && text[at].is_ascii_digit(), "shared.h: not a number");
-            while at < text.len() && text[at].is_ascii_digit() {
-                number = number * 10 + (text[at] - b'0') as u32;
-                at += 1;
-            }
-            return number;
-        }
-        while line < text.len() && text[line] != b'\n' {
-            line += 1;
-        }
-        line += 1;
-    }
-    panic!("shared.h does not define this name")
-}
-
-/// Where `text` goes on after `prefix` at `at`.
-const fn skip(text: &[u8], at: usize, prefix: &[u8]) -> Option<usize> {
-    let mut i = 0;
-    while i < prefix.len() {
-        if at + i >= text.len() || text[at + i] != prefix[i] {
-            return None;
-        }
-        i += 1;
-    }
-    Some(at + i)
-}
 
 /// How many kinds of texture a material can have; their order is that of `KIND_*` in `glsl/shared.h`.
 pub const KIND_COUNT: usize = shared("KIND_COUNT") as usize;
