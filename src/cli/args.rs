@@ -94,6 +94,9 @@ pub struct PlanArgs {
     /// rgba16f 8
     #[arg(long, value_name = "NAME", default_value_t = TexelFormat::E5B9G9R9, value_parser = named(TexelFormat::ALL, TexelFormat::name))]
     pub environment_format: TexelFormat,
+    /// How a lightmap's light is stored, in the same bytes; rgbm is as files have it, and less accurate between texels
+    #[arg(long, value_name = "NAME", default_value_t = TexelFormat::E5B9G9R9, value_parser = named(TexelFormat::ALL, TexelFormat::name))]
+    pub lightmap_format: TexelFormat,
     /// How lights reach pixels
     #[arg(long, value_name = "WAY", default_value_t = LightWay::Auto, value_parser = named(LightWay::ALL, LightWay::name))]
     pub lights: LightWay,
@@ -154,6 +157,7 @@ impl PlanArgs {
             fold: !self.no_fold,
             dither: self.dither,
             environment_format: self.environment_format,
+            lightmap_format: self.lightmap_format,
             ..Options::default()
         }
     }

@@ -18,8 +18,7 @@ use crate::{Error, Result};
 pub(super) struct AroundData {
     split_sum: Option<Image>,
     environment: Option<EnvironmentData>,
-    /// Colour and scale.
-    lightmap: Option<[Image; 2]>,
+    lightmap: Option<Image>,
     /// Linear, clamped; there if any image is.
     sampler: Option<Owned<vk::Sampler>>,
 }
@@ -53,7 +52,7 @@ impl AroundData {
         let reflects = plan.needs.kinds.iter().any(|need| need.kind.around.any());
         Ok(Self {
             split_sum: reflects.then(|| split_sum_table(device, upload)).transpose()?,
-            lightmap: lightmap.map(|map| lightmap_images(device, upload, map)).transpose()?,
+            lightmap: lightmap.map(|map| lightmap_image(device, upload, map, plan)).transpose()?,
             environment: environment.map(|e| EnvironmentData::new(device, upload, e, plan)).transpose()?,
             sampler: Some(sampler),
         })
@@ -65,8 +64,7 @@ impl AroundData {
         let image = match binding {
             b if b == const { shared("BINDING_SPLIT_SUM") } => self.split_sum.as_ref()?,
             b if b == const { shared("BINDING_RADIANCE") } => &environment?.radiance,
-            b if b == const { shared("BINDING_LIGHTMAP_COLOR") } => &self.lightmap.as_ref()?[0],
-            b if b == const { shared("BINDING_LIGHTMAP_SCALE") } => &self.lightmap.as_ref()?[1],
+            b if b == const { shared("BINDING_LIGHTMAP") } => self.lightmap.as_ref()?,
             b if b == const { shared("BINDING_ENVIRONMENT") } => {
                 let uniforms = &environment?.uniforms;
                 return Some(Content::Buffer(uniforms, 0, uniforms.size_bytes()));
@@ -84,7 +82,7 @@ impl AroundData {
     pub(super) fn allocated_bytes(&self) -> u64 {
         let environment = self.environment.as_ref();
         let images = self.split_sum.iter().chain(environment.map(|e| &e.radiance));
-        let images = images.chain(self.lightmap.iter().flatten());
+        let images = images.chain(&self.lightmap);
         images.map(Image::allocated_bytes).sum::<u64>()
             + environment.map_or(0, |e| e.uniforms.allocated_bytes())
     }
@@ -97,8 +95,7 @@ fn split_sum_table(device: &Device, upload: &mut Upload) -> Result<Image> {
     Ok(table)
 }
 
-/// Colour and scale as they are stored.
-fn lightmap_images(device: &Device, upload: &mut Upload, map: &Lightmap) -> Result<[Image; 2]> {
+fn lightmap_image(device: &Device, upload: &mut Upload, map: &Lightmap, plan: &Plan) -> Result<Image> {
     let size = [map.width, map.height];
     let texels = map.width as usize * map.height as usize;
     if texels == 0 || map.color_rgba8.len() != texels * 4 || map.scale8.len() != texels {
@@ -108,15 +105,10 @@ fn lightmap_images(device: &Device, upload: &mut Upload, map: &Lightmap) -> Resu
             "give four bytes of colour and one of scale a texel",
         ));
     }
-    let mut image = |name, format, content: &[u8]| -> Result<Image> {
-        let image = Image::new(device, &ImageDesc::new(name, format, size, USAGE))?;
-        upload.image(&image, &[content])?;
-        Ok(image)
-    };
-    Ok([
-        image("lightmap colour", vk::Format::R8G8B8A8_UNORM, &map.color_rgba8)?,
-        image("lightmap scale", vk::Format::R8_UNORM, &map.scale8)?,
-    ])
+    let format = plan.options.lightmap_format;
+    let image = Image::new(device, &ImageDesc::new("lightmap", conv::radiance_format(format), size, USAGE))?;
+    upload.image(&image, &[&map.texels(format)])?;
+    Ok(image)
 }
 
 impl EnvironmentData {

@@ -106,17 +106,17 @@ pub(super) fn images(needs: &Needs, options: &Options) -> Vec<AroundImage> {
             ),
         }
     }));
-    images.extend(needs.lightmap.iter().flat_map(|map| {
-        let image = |name, format, texel_bytes: u64| AroundImage {
-            name,
+    images.extend(needs.lightmap.map(|map| {
+        let format = options.lightmap_format;
+        AroundImage {
+            name: "lightmap",
             size: map.size,
             faces: 1,
             levels: 1,
-            format,
-            bytes: u64::from(map.size[0]) * u64::from(map.size[1]) * texel_bytes,
+            format: format.name(),
+            bytes: u64::from(map.size[0]) * u64::from(map.size[1]) * format.bytes() as u64,
             why: "diffuse light on surfaces that do not move".into(),
-        };
-        [image("lightmap_color", "rgba8", 4), image("lightmap_scale", "r8", 1)]
+        }
     }));
     images
 }

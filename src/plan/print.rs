@@ -169,7 +169,7 @@ impl Plan {
             let shape = if image.faces == 6 { "cube " } else { "" };
             let levels = if image.levels == 1 { String::new() } else { format!(", {} levels", image.levels) };
             let (name, format, bytes, why) = (image.name, image.format, image.bytes, &image.why);
-            writeln!(f, "  {name:<14} {shape}{width}x{height}{levels}, {format}, {bytes} bytes; {why}")?;
+            writeln!(f, "  {name:<10} {shape}{width}x{height}{levels}, {format}, {bytes} bytes; {why}")?;
         }
         Ok(())
     }

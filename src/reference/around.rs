@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::brdf::{DIELECTRIC_F0, MIN_N_DOT_V};
 use super::environment::Integrator;
 use super::gbuffer::Attributes;
+use super::lightmap;
 use crate::environment::{DEFAULT_FACE_SIZE, Lookup, Prefiltered, TexelFormat, split_sum};
 use crate::scene::{Environment, Scene};
 
@@ -34,6 +35,7 @@ impl Default for Method {
 pub struct Around<'a> {
     ambient_nt: DVec3,
     environment: Option<&'a Environment>,
+    pub(super) lightmap: Option<lightmap::Lookup>,
     way: Way,
 }
 
@@ -59,7 +61,13 @@ impl<'a> Around<'a> {
                 Way::Integral(Integrator::new(environment.map(panorama), samples))
             }
         };
-        Self { ambient_nt: scene.ambient_nt.as_dvec3(), environment, way }
+        Self { ambient_nt: scene.ambient_nt.as_dvec3(), environment, lightmap: None, way }
+    }
+
+    /// With the scene's lightmap: [`lightmap::Lookup::new`].
+    pub fn with_lightmap(self, scene: &Scene, format: Option<TexelFormat>) -> Self {
+        let lightmap = scene.lightmap.as_ref().map(|map| lightmap::Lookup::new(map, format));
+        Self { lightmap, ..self }
     }
 
     /// What is seen where no surface is, cd/m²: the environment, if that is the background. `direction` is of unit length,

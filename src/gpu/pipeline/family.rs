@@ -39,12 +39,11 @@ const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
 const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
 const LIGHTMAPS: u32 = shared("BINDING_LIGHTMAPS");
-const LIGHTMAP_COLOR: u32 = shared("BINDING_LIGHTMAP_COLOR");
-const LIGHTMAP_SCALE: u32 = shared("BINDING_LIGHTMAP_SCALE");
+const LIGHTMAP: u32 = shared("BINDING_LIGHTMAP");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 13] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 12] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -58,8 +57,7 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 13] = {
         (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (LIGHTMAPS, T::STORAGE_BUFFER, S::VERTEX),
-        (LIGHTMAP_COLOR, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
-        (LIGHTMAP_SCALE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (LIGHTMAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
@@ -91,7 +89,7 @@ impl Family {
             _ => &[],
         };
         let lightmap: &[u32] = match pipeline {
-            Pipeline::Surface(kind) if kind.has_lightmap() => &[LIGHTMAPS, LIGHTMAP_COLOR, LIGHTMAP_SCALE],
+            Pipeline::Surface(kind) if kind.has_lightmap() => &[LIGHTMAPS, LIGHTMAP],
             _ => &[],
         };
         let of_surfaces: &[u32] = if pipeline.is_of_surfaces() { &[INSTANCES] } else { &[] };

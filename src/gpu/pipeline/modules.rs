@@ -131,6 +131,7 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
         emissive: kind.emissive,
         rgbm: is_rgbm(plan),
         lightmap_unit_lx: plan.needs.lightmap.map_or(1.0, |map| map.unit_lx),
+        lightmap_rgbm: plan.needs.lightmap.is_some() && plan.options.lightmap_format == TexelFormat::Rgbm,
     }
 }
 

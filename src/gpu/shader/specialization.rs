@@ -69,6 +69,8 @@ pub struct GeometryConstants {
     pub rgbm: bool,
     /// Irradiance in lux of the lightmap's decoded value 1.
     pub lightmap_unit_lx: f32,
+    /// The lightmap is stored as RGBM.
+    pub lightmap_rgbm: bool,
 }
 
 impl GeometryConstants {
@@ -105,6 +107,7 @@ impl GeometryConstants {
             (const { shared("ID_EMISSIVE") }, self.emissive.into()),
             (const { shared("ID_RGBM") }, self.rgbm.into()),
             (const { shared("ID_LIGHTMAP_UNIT") }, self.lightmap_unit_lx.to_bits()),
+            (const { shared("ID_LIGHTMAP_RGBM") }, self.lightmap_rgbm.into()),
         ])
     }
 }

@@ -108,11 +108,6 @@ fn load(doc: &Document) -> Result<Scene> {
         scene.cameras.push(defaults::camera(bounds));
     }
     scene.environment = environment::read_environment(doc)?;
-    if scene.lightmap.is_some() {
-        scene
-            .warnings
-            .push("scene: its lightmap is not drawn yet, and neither is the light baked into it".into());
-    }
     if let Some(light) = scene.lights.iter().find(|l| l.globe_map.is_some()) {
         let name = &light.name;
         scene.warnings.push(format!("light '{name}': globe maps are not drawn yet; it shines without"));
