@@ -15,21 +15,20 @@
 #include "gbuffer.glsl"
 layout(location = TARGET_LIGHT) out vec4 target_light;
 #else
-layout(location = TARGET_OUTPUT) out vec4 target_light;
-#ifndef LIGHT_TARGET
 #include "tonemap.glsl"
-#endif
+layout(location = TARGET_OUTPUT) out vec4 target_output;
 #endif
 
 void main() {
     vec3 exposed_light = environment_radiance_nt(ray_world(), 0.0) * frame.exposure;
-#ifdef WITH_GBUFFER
-    gbuffer_write(Surface(0.0, false, vec3(0.0), 0.0, vec3(0.0), 0.0));
-#endif
-#ifdef LIGHT_TARGET
     // Alpha 0: no surface, and so no fog.
-    target_light = vec4(exposed_light * frame.light_scale, 0.0);
+    vec4 light = vec4(exposed_light * frame.light_scale, 0.0);
+#if defined(WITH_GBUFFER)
+    gbuffer_write(Surface(0.0, false, vec3(0.0), 0.0, vec3(0.0), 0.0));
+    target_light = light;
+#elif defined(LIGHT_TARGET)
+    target_output = light;
 #else
-    target_light = output_color(exposed_light);
+    target_output = output_color(exposed_light);
 #endif
 }

@@ -1,12 +1,12 @@
 //! What extras say of the scene as a whole, and the part of nodes in its lightmap.
 //!
-//! | `extras.ontile` | on | value |
+//! | `extras.ontile` of | | value |
 //! |---|---|---|
-//! | `background` | the scene | `"#RRGGBB"` ([`Background::Color`]) or `"environment"` |
-//! | `fog` | the scene | `{"density": number, "color": [r, g, b], "base": number, "scale": number}`; the last two belong together and may be left out ([`Fog`]) |
-//! | `lightmap` | the scene | `{"color_image": index, "scale_image": index, "unit_lx": number}` ([`Lightmap`]) |
-//! | `lightmap` | nodes | `[x, y, width, height]`, texture coordinates ([`LightmapRect`]); `false`: it shall have none |
-//! | `dynamic` | nodes | `true` or `false` ([`Instance::dynamic`](crate::scene::Instance::dynamic)) |
+//! | `scenes[i]` | `background` | `"#RRGGBB"` ([`Background::Color`]) or `"environment"` |
+//! | `scenes[i]` | `fog` | `{"density": number, "color": [r, g, b], "base": number, "scale": number}`; the last two belong together and may be left out ([`Fog`]) |
+//! | `scenes[i]` | `lightmap` | `{"color_image": index, "scale_image": index, "unit_lx": number}` ([`Lightmap`]) |
+//! | `nodes[i]` | `lightmap` | `[x, y, width, height]`, texture coordinates ([`LightmapRect`]); `false`: it shall have none |
+//! | `nodes[i]` | `dynamic` | `true` or `false` ([`Instance::dynamic`](crate::scene::Instance::dynamic)) |
 
 use glam::{Vec2, Vec3};
 use gltf::json;
