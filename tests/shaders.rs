@@ -336,9 +336,10 @@ fn specialization(module: Module) -> Specialization {
     let geometry = GeometryConstants::default().specialization();
     let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false, background: None, fog: None };
     match module {
-        Module::GeometryVertex { .. } | Module::Fullscreen | Module::ShadowVertex { .. } => {
-            Specialization::default()
-        }
+        Module::GeometryVertex { .. }
+        | Module::Fullscreen
+        | Module::ShadowVertex { .. }
+        | Module::ShadowCompose => Specialization::default(),
         Module::LightVolume => Specialization::volume(0),
         Module::GeometryFragment { .. } | Module::Mask { .. } => geometry,
         Module::Unlit { .. } => geometry.and(output.specialization()),

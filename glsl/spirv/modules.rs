@@ -77,6 +77,7 @@ embed![
     "mask.frag",
     "mask_textured.frag",
     "shadow.vert",
+    "shadow_compose.frag",
     "shadow_masked_c.vert",
     "shadow_masked_u.vert",
     "shadow_masked_uc.vert",

@@ -138,6 +138,8 @@ pub enum Module {
     Fullscreen,
     /// A mesh around what a light reaches.
     LightVolume,
+    /// Copies a tile of one shadow map to another.
+    ShadowCompose,
     /// Places a caster in the shadow map. Coordinates and colours are for masks only.
     ShadowVertex {
         /// Whether an alpha mask cuts the surface.
@@ -239,7 +241,7 @@ impl Module {
             all.push(Self::Mask { textured });
         }
         all.extend([false, true].map(|fog| Self::Tonemap { fog }));
-        all.extend([Self::Fullscreen, Self::LightVolume]);
+        all.extend([Self::Fullscreen, Self::LightVolume, Self::ShadowCompose]);
         for (masked, texcoord, color) in
             [(false, false, false), (true, true, false), (true, false, true), (true, true, true)]
         {
@@ -281,6 +283,7 @@ impl Module {
                 format!("forward{lights}{textured}{}.frag", around_suffix(around))
             }
             Self::Lighting { layout, lights } => format!("lighting_{layout}{}.frag", lights.suffix()),
+            Self::ShadowCompose => "shadow_compose.frag".into(),
             Self::ShadowVertex { masked: false, .. } => "shadow.vert".into(),
             Self::ShadowVertex { texcoord, color, .. } => {
                 format!("shadow_masked_{}{}.vert", suffix(texcoord, "u"), suffix(color, "c"))
@@ -304,6 +307,7 @@ impl Module {
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap { .. } => "tonemap.frag",
             Self::Fullscreen => "fullscreen.vert",
+            Self::ShadowCompose => "shadow_compose.frag",
             Self::ShadowVertex { .. } => "shadow.vert",
             Self::LightVolume => "light_volume.vert",
         }
@@ -323,7 +327,8 @@ impl Module {
             | Self::Light { .. }
             | Self::Mask { .. }
             | Self::Lighting { .. }
-            | Self::Tonemap { .. } => Stage::Fragment,
+            | Self::Tonemap { .. }
+            | Self::ShadowCompose => Stage::Fragment,
         }
     }
 
@@ -376,7 +381,7 @@ impl Module {
                 chosen(&[(masked, "MASKED"), (texcoord, "HAS_TEXCOORD"), (color, "HAS_COLOR")])
             }
             Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
-            Self::Fullscreen | Self::LightVolume => Vec::new(),
+            Self::Fullscreen | Self::LightVolume | Self::ShadowCompose => Vec::new(),
         }
     }
 
