@@ -389,6 +389,50 @@ mod tests {
     }
 
     #[test]
+    fn what_is_beyond_a_range_casts_no_shadow() {
+        let lamp = Light { range_m: Some(5.0), ..light(LightKind::Point { intensity_cd: 1.0 }) };
+        let volume = ShadowView::face(&lamp, 0, TILE).volume();
+        let block = |x: f32| {
+            let center = lamp.position_world + Vec3::X * x;
+            Aabb { min: center - 0.5, max: center + 0.5 }
+        };
+        // Behind, around, before, reaching in, and beyond.
+        let missed = [-2.0, 0.0, 3.0, 5.4, 5.6].map(|x| volume.misses(&block(x)));
+        assert_eq!(missed, [true, false, false, false, true]);
+        let endless = ShadowView::face(&Light { range_m: None, ..lamp.clone() }, 0, TILE).volume();
+        assert!(!endless.misses(&block(5.6)));
+    }
+
+    #[test]
+    fn an_area_holds_what_its_box_covers() {
+        let lamp = light(LightKind::Point { intensity_cd: 1.0 });
+        let sphere = Sphere { center: DVec3::ZERO, radius_m: 3.0 };
+        let sun = ShadowView::cascade(directions()[1], &sphere, &BOUNDS, TILE);
+        for view in [ShadowView::face(&lamp, 3, TILE), sun] {
+            for (x, size) in [(-1.0, 0.1), (0.3, 0.7), (1.9, 0.4), (0.0, 9.0)] {
+                let center = Vec3::new(1.0 + x, 0.0, x - 2.0);
+                let bounds = Aabb { min: center - size, max: center + size };
+                let area = view.area(&bounds, TILE.texels);
+                for i in 0..125 {
+                    let share = Vec3::new((i % 5) as f32, (i / 5 % 5) as f32, (i / 25) as f32) * 0.25;
+                    let point = bounds.min + (bounds.max - bounds.min) * share;
+                    if (view.clip_from_world * point.extend(1.0)).w <= 0.0 {
+                        continue;
+                    }
+                    let at = texel(&view, TILE, point.as_dvec3());
+                    for axis in (0..2).filter(|&axis| at[axis] >= 0.0 && at[axis] < TILE.side()) {
+                        let range = f64::from(area.min[axis])..f64::from(area.max[axis]);
+                        assert!(range.contains(&at[axis]), "{bounds:?}: {at} in {area:?}");
+                    }
+                }
+                let whole = TexelArea { min: [0; 2], max: [TILE.texels; 2] };
+                assert_eq!(area == whole, size == 9.0, "{bounds:?}: {area:?}");
+                assert_eq!(area.union(TexelArea::default()), area);
+            }
+        }
+    }
+
+    #[test]
     fn a_slab_is_the_box() {
         let size_m = Vec3::new(4.0, 2.0, 6.0);
         let lamp = light(LightKind::Box { illuminance_lx: 1.0, size_m, falloff_m: 0.1 });

@@ -251,7 +251,8 @@ mod tests {
         assert_eq!(frame(2, None, true), Some(How::Whole));
         assert_eq!(frame(2, Some(7), true), Some(composed(true)));
         assert_eq!(frame(3, Some(7), true), Some(How::Whole));
-        assert_eq!(frame(2, Some(7), true), Some(composed(false)));
+        let back = How::Composed { fixed: false, rest_stays: false };
+        assert_eq!(frame(2, Some(7), true), Some(back));
         // A light that moves, too, has nothing to keep.
         assert_eq!(frame(2, Some(8), false), Some(How::Whole));
     }
