@@ -84,8 +84,8 @@ pub enum Module {
     Light {
         /// Whether the material has any texture.
         textured: bool,
-        /// Whether lights may cast shadows.
-        shadows: bool,
+        /// What it reads of the light.
+        lights: LightInputs,
     },
     /// Keeps nothing of a surface but what its alpha mask leaves.
     Mask {
@@ -115,6 +115,8 @@ pub enum Module {
     Fullscreen,
     /// A mesh around what a light reaches.
     LightVolume,
+    /// Copies a tile of one shadow map to another.
+    ShadowCompose,
     /// Places a caster in the shadow map. Coordinates and colours are for masks only.
     ShadowVertex {
         /// Whether an alpha mask cuts the surface.
@@ -144,12 +146,16 @@ pub struct LightInputs {
     pub scan: LightLoop,
     /// Whether they cast shadows.
     pub shadows: bool,
+    /// Whether some shine through globe maps.
+    pub globe_maps: bool,
 }
 
 impl LightInputs {
-    /// Without and with shadows, for each of these.
+    /// Without and with each kind of map, for each of these.
     fn of(loops: &[LightLoop]) -> impl Iterator<Item = Self> {
-        loops.iter().flat_map(|&scan| [false, true].map(|shadows| Self { scan, shadows }))
+        let maps = [(false, false), (true, false), (false, true), (true, true)];
+        let of = move |&scan| maps.map(|(shadows, globe_maps)| Self { scan, shadows, globe_maps });
+        loops.iter().flat_map(of)
     }
 
     /// Its part of a module's name.
@@ -159,15 +165,17 @@ impl LightInputs {
             LightLoop::Cluster => "_clusters",
             LightLoop::One => "_one",
         };
-        format!("{scan}{}", if self.shadows { "_shadows" } else { "" })
+        let suffix = |has: bool, text: &'static str| if has { text } else { "" };
+        format!("{scan}{}{}", suffix(self.shadows, "_shadows"), suffix(self.globe_maps, "_globes"))
     }
 
     /// Macros, and whether they are defined.
-    fn defines(self) -> [(bool, &'static str); 3] {
+    fn defines(self) -> [(bool, &'static str); 4] {
         [
             (self.scan == LightLoop::Cluster, "CLUSTERS"),
             (self.scan == LightLoop::One, "ONE_LIGHT"),
             (self.shadows, "SHADOWS"),
+            (self.globe_maps, "GLOBE_MAPS"),
         ]
     }
 }
@@ -222,12 +230,12 @@ impl Module {
             }
         }
         for textured in [false, true] {
-            all.extend([false, true].map(|shadows| Self::Light { textured, shadows }));
+            all.extend(LightInputs::of(&[LightLoop::One]).map(|lights| Self::Light { textured, lights }));
             all.push(Self::Mask { textured });
         }
         all.extend([false, true].map(|fog| Self::Tonemap { fog }));
         all.extend([false, true].map(|light_target| Self::Sky { layout: None, light_target }));
-        all.extend([Self::Fullscreen, Self::LightVolume]);
+        all.extend([Self::Fullscreen, Self::LightVolume, Self::ShadowCompose]);
         for (masked, texcoord, color) in
             [(false, false, false), (true, true, false), (true, false, true), (true, true, true)]
         {
@@ -265,8 +273,8 @@ impl Module {
                 around_suffix(around),
                 suffix(lightmap, "_lightmap"),
             ),
-            Self::Light { textured, shadows } => {
-                format!("light{}{}.frag", suffix(textured, "_textured"), suffix(shadows, "_shadows"))
+            Self::Light { textured, lights } => {
+                format!("light{}{}.frag", suffix(textured, "_textured"), lights.suffix())
             }
             Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
             Self::Forward { textured, lights, around, lightmap } => format!(
@@ -277,6 +285,7 @@ impl Module {
                 suffix(lightmap, "_lightmap"),
             ),
             Self::Lighting { layout, lights } => format!("lighting_{layout}{}.frag", lights.suffix()),
+            Self::ShadowCompose => "shadow_compose.frag".into(),
             Self::ShadowVertex { masked: false, .. } => "shadow.vert".into(),
             Self::ShadowVertex { texcoord, color, .. } => {
                 format!("shadow_masked_{}{}.vert", suffix(texcoord, "u"), suffix(color, "c"))
@@ -305,6 +314,7 @@ impl Module {
             Self::Tonemap { .. } => "tonemap.frag",
             Self::Sky { .. } => "sky.frag",
             Self::Fullscreen => "fullscreen.vert",
+            Self::ShadowCompose => "shadow_compose.frag",
             Self::ShadowVertex { .. } => "shadow.vert",
             Self::LightVolume => "light_volume.vert",
         }
@@ -325,6 +335,7 @@ impl Module {
             | Self::Mask { .. }
             | Self::Lighting { .. }
             | Self::Tonemap { .. }
+            | Self::ShadowCompose
             | Self::Sky { .. } => Stage::Fragment,
         }
     }
@@ -355,7 +366,9 @@ impl Module {
                 (lightmap, "LIGHTMAP"),
             ]),
             Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Light { textured, shadows } => chosen(&[(textured, "TEXTURED"), (shadows, "SHADOWS")]),
+            Self::Light { textured, lights } => {
+                chosen(&[&[(textured, "TEXTURED")][..], &lights.defines()].concat())
+            }
             Self::Base { textured, around, lightmap } => chosen(&[
                 (textured, "TEXTURED"),
                 (around >= Around::Ambient, "AMBIENT"),
@@ -363,20 +376,16 @@ impl Module {
                 (lightmap, "LIGHTMAP"),
             ]),
             Self::Forward { textured, lights, around, lightmap } => {
-                let [clusters, one, shadows] = lights.defines();
-                chosen(&[
+                let surface = [
                     (textured, "TEXTURED"),
-                    clusters,
-                    one,
-                    shadows,
                     (around >= Around::Ambient, "AMBIENT"),
                     (around >= Around::Environment, "ENVIRONMENT"),
                     (lightmap, "LIGHTMAP"),
-                ])
+                ];
+                chosen(&[&surface[..], &lights.defines()].concat())
             }
             Self::Lighting { layout, lights } => {
-                let [clusters, one, shadows] = lights.defines();
-                chosen(&[(true, layout_define(layout)), clusters, one, shadows])
+                chosen(&[&[(true, layout_define(layout))][..], &lights.defines()].concat())
             }
             Self::ShadowVertex { masked, texcoord, color } => {
                 chosen(&[(masked, "MASKED"), (texcoord, "HAS_TEXCOORD"), (color, "HAS_COLOR")])
@@ -385,7 +394,7 @@ impl Module {
             Self::Sky { layout, light_target } => {
                 layout.map(layout_define).into_iter().chain(light_target.then_some("LIGHT_TARGET")).collect()
             }
-            Self::Fullscreen | Self::LightVolume => Vec::new(),
+            Self::Fullscreen | Self::LightVolume | Self::ShadowCompose => Vec::new(),
         }
     }
 

@@ -3,8 +3,9 @@
 use ontile::environment::{Panorama, Prefiltered, TexelFormat, direction_from_uv};
 use ontile::glam::{DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh::view::look_at_mat4};
 use ontile::scene::{
-    AlphaMode, Background, Camera, Environment, Fog, FogHeight, Image, Instance, Light, LightKind, Lightmap,
-    LightmapRect, Material, Mesh, Projection, Sampler, Scene, Texture, TextureRef,
+    AlphaMode, Background, Camera, Environment, Fog, FogHeight, GlobeMap, GlobePicture, Image, Instance,
+    Light, LightKind, Lightmap, LightmapRect, Material, Mesh, Projection, Sampler, Scene, Texture,
+    TextureRef,
 };
 use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
@@ -16,9 +17,6 @@ use parts::*;
 #[path = "shadow_scenes.rs"]
 pub mod shadow_scenes;
 
-/// The program's own default.
-const MOST_SHADOWS: usize = 8;
-
 /// The scenes that the repository ships, loaded as the program does, in order of name.
 ///
 /// # Panics
@@ -29,7 +27,7 @@ pub fn shipped() -> Vec<Scene> {
         .iter()
         .map(|path| {
             let mut scene = Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
-            scene.keep_lights(None, Some(MOST_SHADOWS));
+            scene.keep_lights(None, Some(Scene::DEFAULT_SHADOWS));
             scene
         })
         .collect();
@@ -74,6 +72,7 @@ pub fn built() -> Vec<Scene> {
         lights_only(),
         extents(),
         hemisphere_only(),
+        globes(),
         lit_textures(),
         emissive(),
         no_lights(),
@@ -202,6 +201,19 @@ pub fn hemisphere_only() -> Scene {
         ..Light::new(LightKind::Hemisphere { illuminance_lx: 2.0 })
     };
     scene.lights = vec![sky.towards(Vec3::new(0.3, -1.0, 0.0))];
+    scene
+}
+
+/// [`extents`], where most lights shine through globe maps: pictures of two sizes, one used twice.
+pub fn globes() -> Scene {
+    let mut scene = Scene { name: "globes".into(), ..extents() };
+    let small = Image { width: 16, rgba8: bumps().rgba8[..16 * 32 * 4].to_vec(), ..bumps() };
+    scene.images = vec![tiles(), small];
+    let flat = |image| GlobePicture::Flat { image };
+    let map = |picture, rotation_rad| Some(GlobeMap { picture, rotation_rad });
+    scene.lights[1].globe_map = map(GlobePicture::Cube { images: [0, 1, 0, 1, 1, 0] }, 0.3);
+    scene.lights[2].globe_map = map(flat(0), 0.5);
+    scene.lights[3].globe_map = map(flat(0), -0.2);
     scene
 }
 

@@ -6,7 +6,7 @@
 //! | `scenes[i]` | `fog` | `{"density": number, "color": [r, g, b], "base": number, "scale": number}`; the last two belong together and may be left out ([`Fog`]) |
 //! | `scenes[i]` | `lightmap` | `{"color_image": index, "scale_image": index, "unit_lx": number}` ([`Lightmap`]) |
 //! | `nodes[i]` | `lightmap` | `[x, y, width, height]`, texture coordinates ([`LightmapRect`]); `false`: it shall have none |
-//! | `nodes[i]` | `dynamic` | `true` or `false` ([`Instance::dynamic`](crate::scene::Instance::dynamic)) |
+//! | `nodes[i]` | `dynamic` | `true` or `false`; nodes below have it too ([`Instance::dynamic`](crate::scene::Instance::dynamic)) |
 
 use glam::{Vec2, Vec3};
 use gltf::json;
