@@ -99,7 +99,8 @@ fn commitments(report: &Value) -> Vec<String> {
 
 /// How many passes drew tiles of the shadow map.
 fn shadow_tiles(report: &Value) -> usize {
-    report["device"]["shadows"]["tiles_drawn"].as_u64().unwrap_or(0) as usize
+    let drawn = |what| report["device"]["shadows"][what].as_u64().unwrap_or(0) as usize;
+    drawn("tiles_drawn") + drawn("static_tiles_drawn")
 }
 
 /// What speaks against the passes that draw tiles of the shadow map: each has to store its depth, and nothing else.
@@ -152,6 +153,9 @@ fn one_pass_stays_on_the_tile() {
         (2, Case::new("lit_textures", Layout::Exact)),
         (1, metallic("wholly_unlit")),
         (1, metallic("one_unlit_triangle")),
+        (3, metallic("before_sky")),
+        (1, metallic("sky_alone")),
+        (3, metallic("lightmapped")),
         (3, Case { lights: LightWay::Clusters, ..metallic(ALL_STAGES) }),
         (3, Case { lights: LightWay::Volumes, ..metallic(ALL_STAGES) }),
         (3, Case { lights: LightWay::Stencil, ..metallic(ALL_STAGES) }),
@@ -161,7 +165,9 @@ fn one_pass_stays_on_the_tile() {
         (1, Case { path: LightPath::Forward, lights: LightWay::Clusters, ..metallic("lights_only") }),
         (1, Case { path: LightPath::Forward, ..metallic(ALL_STAGES) }),
         (1, Case { path: LightPath::Forward, ..metallic("lights_only") }),
+        (1, Case { path: LightPath::Forward, ..metallic("before_sky") }),
         (3, Case { path: LightPath::ForwardMultipass, ..metallic(ALL_STAGES) }),
+        (3, Case { path: LightPath::ForwardMultipass, ..metallic("before_sky") }),
         (2, Case { path: LightPath::Forward, depth_prepass: true, ..metallic(ALL_STAGES) }),
         (4, Case { depth_prepass: true, ..metallic(ALL_STAGES) }),
     ];

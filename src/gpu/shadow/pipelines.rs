@@ -5,7 +5,7 @@ use ash::vk;
 use super::super::descriptor::{Binding, set_layout};
 use super::super::shader::{GeometryConstants, Module, Specialization, TextureSlot, shared};
 use super::super::shared::ShadowPush;
-use super::super::{Called, Device, Owned, PipelineCache, texel_bytes};
+use super::super::{Called, Device, Image, Owned, PipelineCache, texel_bytes};
 use crate::Result;
 use crate::plan::{CasterKind, CasterMask, ShadowMap};
 
@@ -58,18 +58,12 @@ pub(super) struct CasterPipelines {
 }
 
 impl CasterPipelines {
-    pub(super) fn new(
-        device: &Device,
-        map: &ShadowMap,
-        pass: &Owned<vk::RenderPass>,
-        cache: &PipelineCache,
-    ) -> Result<Self> {
-        let layouts: Vec<_> =
-            map.casters.iter().map(|k| CasterLayout::new(device, k)).collect::<Result<_>>()?;
-        let builder = Builder { device, pass, cache };
+    pub(super) fn new(map: &ShadowMap, builder: &Builder<'_>) -> Result<Self> {
+        let layout = |kind| CasterLayout::new(builder.device, kind);
+        let layouts: Vec<_> = map.casters.iter().map(layout).collect::<Result<_>>()?;
         let all = map.casters.iter().zip(&layouts);
         let pipelines = all.map(|(kind, layout)| builder.caster(kind, layout)).collect::<Result<_>>()?;
-        Ok(Self { pipelines, clear: builder.clear(&layouts[0])?, layouts })
+        Ok(Self { pipelines, clear: builder.base(None, &layouts[0].layout, "shadow clear")?, layouts })
     }
 }
 
@@ -98,13 +92,26 @@ impl CasterLayout {
     }
 }
 
-struct Builder<'a> {
-    device: &'a Device,
-    pass: &'a Owned<vk::RenderPass>,
-    cache: &'a PipelineCache,
+/// Makes what the pass needs.
+pub(super) struct Builder<'a> {
+    pub(super) device: &'a Device,
+    pub(super) pass: &'a Owned<vk::RenderPass>,
+    pub(super) cache: &'a PipelineCache,
 }
 
 impl Builder<'_> {
+    pub(super) fn framebuffer(&self, image: &Image, size: [u32; 2]) -> Result<Owned<vk::Framebuffer>> {
+        let views = [image.view()];
+        let info = vk::FramebufferCreateInfo::default()
+            .render_pass(self.pass.raw())
+            .attachments(&views)
+            .width(size[0])
+            .height(size[1])
+            .layers(1);
+        // SAFETY: the view is alive and of the format that the pass was made from.
+        unsafe { self.device.create_framebuffer(&info, "shadow map") }
+    }
+
     fn caster(&self, kind: &CasterKind, layout: &CasterLayout) -> Result<Owned<vk::Pipeline>> {
         let vertex = Module::ShadowVertex {
             masked: kind.mask.is_some(),
@@ -130,16 +137,22 @@ impl Builder<'_> {
             .line_width(1.0);
         let input = vertex_input(kind.mask.as_ref())?;
         let (compare, name) = (vk::CompareOp::GREATER, format!("shadow caster, {kind}"));
-        self.build(vertex, fragment, &input, &raster, compare, layout, &name)
+        self.build(vertex, fragment, &input, &raster, compare, &layout.layout, &name)
     }
 
-    fn clear(&self, layout: &CasterLayout) -> Result<Owned<vk::Pipeline>> {
+    /// What a tile begins with: one triangle that is as far away as can be, or where its fragment shader says.
+    pub(super) fn base(
+        &self,
+        fragment: Option<(Module, Specialization)>,
+        layout: &Owned<vk::PipelineLayout>,
+        name: &str,
+    ) -> Result<Owned<vk::Pipeline>> {
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .polygon_mode(vk::PolygonMode::FILL)
             .cull_mode(vk::CullModeFlags::NONE)
             .line_width(1.0);
         let (input, always) = (VertexInput::default(), vk::CompareOp::ALWAYS);
-        self.build(Module::Fullscreen, None, &input, &raster, always, layout, "shadow clear")
+        self.build(Module::Fullscreen, fragment, &input, &raster, always, layout, name)
     }
 
     #[allow(clippy::too_many_arguments, reason = "what sets the two kinds of pipelines apart")]
@@ -150,7 +163,7 @@ impl Builder<'_> {
         (bindings, attributes): &VertexInput,
         raster: &vk::PipelineRasterizationStateCreateInfo<'_>,
         compare: vk::CompareOp,
-        layout: &CasterLayout,
+        layout: &Owned<vk::PipelineLayout>,
         name: &str,
     ) -> Result<Owned<vk::Pipeline>> {
         let module = |module: Module| {
@@ -200,7 +213,7 @@ impl Builder<'_> {
             .multisample_state(&multisample)
             .depth_stencil_state(&depth)
             .dynamic_state(&dynamic)
-            .layout(layout.layout.raw())
+            .layout(layout.raw())
             .render_pass(self.pass.raw())
             .subpass(0);
         let device = self.device;

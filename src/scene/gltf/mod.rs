@@ -108,11 +108,6 @@ fn load(doc: &Document) -> Result<Scene> {
         scene.cameras.push(defaults::camera(bounds));
     }
     scene.environment = environment::read_environment(doc)?;
-    if scene.lightmap.is_some() {
-        scene
-            .warnings
-            .push("scene: its lightmap is not drawn yet, and neither is the light baked into it".into());
-    }
     let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
     let is_lit_by_nothing =
         scene.lights.is_empty() && scene.environment.is_none() && scene.lightmap.is_none();
@@ -182,7 +177,7 @@ fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &m
                 return Err(doc.bad("nodes", problem, "split the scene into smaller files"));
             }
             let lightmap = lightmaps.of(doc, node_index, &scene.meshes[mesh], materials)?;
-            let dynamic = node::is_dynamic(doc, node_index)?;
+            let dynamic = tree.dynamic[node_index];
             scene.instances.push(Instance { dynamic, lightmap, ..Instance::new(mesh, world_from_object) });
         }
     }
