@@ -8,7 +8,8 @@ use ontile::glam::{DVec3, Mat4, Vec3};
 use ontile::gpu::{Offscreen, RecordedShadows, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{
-    Layout, Limits, Needs, Options, OutputFormat, Plan, ShadowFilter, ShadowFormat, ShadowOptions, Tonemap,
+    Layout, Limits, Needs, Options, OutputFormat, Plan, ShadowFilter, ShadowFormat, ShadowOptions, Tile,
+    Tonemap,
 };
 use ontile::reference::{self, Frame, Settings};
 use ontile::scene::{Camera, Light, LightKind, Scene, Shadow};
@@ -133,6 +134,55 @@ fn shadows_fall_where_rays_say() {
     });
 }
 
+/// The scene so many times as large.
+fn enlarged(scene: &Scene, factor: f32) -> Scene {
+    let larger = |m: &mut Mat4| m.w_axis = (m.w_axis.truncate() * factor).extend(1.0);
+    let mut scene = scene.clone();
+    for instance in &mut scene.instances {
+        instance.world_from_object = Mat4::from_scale(Vec3::splat(factor)) * instance.world_from_object;
+    }
+    scene.cameras.iter_mut().for_each(|camera| larger(&mut camera.world_from_view));
+    for light in &mut scene.lights {
+        light.position_world *= factor;
+        light.range_m = light.range_m.map(|range| range * factor);
+        match &mut light.kind {
+            LightKind::Box { size_m, falloff_m, .. } => {
+                (*size_m, *falloff_m) = (*size_m * factor, *falloff_m * factor)
+            }
+            LightKind::Point { intensity_cd } | LightKind::Spot { intensity_cd, .. } => {
+                *intensity_cd *= factor * factor;
+            }
+            _ => {}
+        }
+    }
+    scene
+}
+
+/// `cargo test --test shadows both_formats -- --nocapture` prints what each format gets wrong.
+#[test]
+fn both_formats_serve_rooms_and_halls() {
+    on_device(None, |gpu| {
+        println!("scene   size   format  wrong pixels  bytes");
+        for (scene, factor) in one_light_each().iter().flat_map(|s| [1.0, 10.0, 100.0].map(|f| (s, f))) {
+            let larger = enlarged(scene, factor);
+            let frame = expected(&larger);
+            for &format in ShadowFormat::ALL {
+                let mut options = options(ShadowFilter::Grid3);
+                options.shadows.format = format;
+                let plan = gpu.plan(&larger, options);
+                let bytes = plan.shadow_map.as_ref().unwrap().bytes();
+                let found = Disagreement::new(&frame, &light_of(&gpu.picture(&larger, plan, 0.0)), None);
+                println!(
+                    "{:<6} {:>4} m  {format:<6} {:>10.4} %  {bytes}",
+                    scene.name,
+                    4.0 * factor,
+                    found.wrong * 100.0
+                );
+            }
+        }
+    });
+}
+
 /// What recording the last frame took for shadows.
 fn taken(offscreen: &Offscreen) -> RecordedShadows {
     offscreen.renderer().recorded().shadows
@@ -212,6 +262,85 @@ fn maps_are_kept_until_what_they_show_changes() {
         let kind = LightKind::Spot { intensity_cd: 30.0, inner_cone_rad: 0.1, outer_cone_rad: 1.5 };
         let error = offscreen.renderer_mut().set_light(index("spot"), &Light { kind, ..spot }).unwrap_err();
         assert!(error.to_string().contains("spot"), "{error}");
+    });
+}
+
+/// A tile's texels.
+struct Texels {
+    side: usize,
+    depths: Vec<f32>,
+}
+
+impl Texels {
+    fn of(offscreen: &Offscreen, tile: &Tile) -> Self {
+        let width = offscreen.renderer().plan().shadow_map.as_ref().unwrap().size[0] as usize;
+        let map = offscreen.shadow_map().unwrap();
+        let [x, y, side] = [tile.x, tile.y, tile.texels].map(|n| n as usize);
+        let depths = (y..y + side).flat_map(|y| map[y * width + x..][..side].to_vec()).collect();
+        Self { side, depths }
+    }
+
+    /// How many texels differ by more than this from those of `before`, which are this many texels further right and down.
+    fn changed(&self, before: &Self, shift: [isize; 2], tolerance: f32) -> usize {
+        let side = self.side as isize;
+        let range = |shift: isize| 0.max(-shift)..side.min(side - shift);
+        let at = |texels: &Self, x: isize, y: isize| texels.depths[(y * side + x) as usize];
+        let differ = |a: f32, b: f32| a.to_bits() != b.to_bits() && (a - b).abs() > tolerance;
+        let rows = range(shift[1]).map(|y| {
+            let row = range(shift[0]);
+            row.filter(|x| differ(at(self, *x, y), at(before, x + shift[0], y + shift[1]))).count()
+        });
+        rows.sum()
+    }
+}
+
+/// While a camera moves by less than a texel a frame, cascades stay where they are or move by whole texels, and all of them
+/// have the depths that they had, though everything is drawn anew: bit for bit while they stay.
+#[test]
+fn a_moving_camera_leaves_the_texels_of_shadows_as_they_are() {
+    /// Of the tiles' side, in cascades.rs.
+    const LATTICE: isize = 256 / 16;
+    /// Planes through triangles begin elsewhere in the tile after a jump: the last bit of depths near 1.
+    const ROUNDING: f32 = f32::EPSILON;
+    const FRAMES: usize = 80;
+    on_device(None, |gpu| {
+        let scene = &one_light_each()[0];
+        let walk = |stable| {
+            let shadows = ShadowOptions { tile_texels: Some(256), stable, ..ShadowOptions::default() };
+            let plan = gpu.plan(scene, Options { shadows, ..options(ShadowFilter::Grid3) });
+            let config = RendererConfig { capture: true, ..RendererConfig::default() };
+            let mut offscreen = gpu.offscreen(scene, plan, config);
+            let mut camera = scene.cameras[0].clone();
+            let tile = offscreen.renderer().plan().shadow_map.as_ref().unwrap().tiles[0];
+            let mut before: Option<Texels> = None;
+            let (mut jumps, mut unsteady) = (0, 0);
+            for _ in 0..FRAMES {
+                render(&mut offscreen, &camera);
+                assert!(taken(&offscreen).tiles > 1);
+                let texels = Texels::of(&offscreen, &tile);
+                let drawn = texels.depths.iter().filter(|d| **d != 0.0).count();
+                assert!(drawn > texels.depths.len() / 4, "the tile shows little: {drawn}");
+                if let Some(before) = before {
+                    if texels.changed(&before, [0, 0], 0.0) > 0 {
+                        let steps = [0, LATTICE, -LATTICE];
+                        let mut shifts = steps.into_iter().flat_map(|x| steps.map(|y| [x, y])).skip(1);
+                        let jumped = shifts.any(|shift| texels.changed(&before, shift, ROUNDING) == 0);
+                        *if jumped { &mut jumps } else { &mut unsteady } += 1;
+                    }
+                }
+                before = Some(texels);
+                // A texel is some 2 cm wide.
+                let turn = Mat4::from_rotation_y(1e-3);
+                camera.world_from_view *= Mat4::from_translation(Vec3::new(0.004, 0.002, -0.003)) * turn;
+                offscreen.renderer_mut().redraw_shadows();
+            }
+            (jumps, unsteady)
+        };
+        let (jumps, unsteady) = walk(true);
+        assert!(jumps > 0 && unsteady == 0, "{jumps} jumps, {unsteady} of {FRAMES} frames are unsteady");
+        // And without steps?
+        let (_, unsteady) = walk(false);
+        assert!(unsteady > FRAMES / 2, "{unsteady}: this test sees nothing");
     });
 }
 

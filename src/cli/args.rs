@@ -147,6 +147,7 @@ impl PlanArgs {
                 most_texels: self.shadow_map,
                 tile_texels: self.shadow_tile,
                 cascades: self.cascades,
+                ..ShadowOptions::default()
             },
             tonemap: self.tonemap,
             output,

@@ -181,6 +181,9 @@ pub struct ShadowOptions {
     pub tile_texels: Option<u32>,
     /// Cascades of a directional light at most.
     pub cascades: u32,
+    /// Cascades follow the camera in steps of whole texels, so that the shadows of what stands still do too. Without, their
+    /// edges swim with every movement of the camera: to show what the steps are for.
+    pub stable: bool,
 }
 
 impl Default for ShadowOptions {
@@ -191,6 +194,7 @@ impl Default for ShadowOptions {
             most_texels: 4096,
             tile_texels: None,
             cascades: 3,
+            stable: true,
         }
     }
 }
