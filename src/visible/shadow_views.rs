@@ -38,6 +38,11 @@ impl ShadowShape {
     /// The faces of [`Self::Cube`].
     pub const FACES: usize = 6;
 
+    /// Whether its views are parallel, so that depths are even steps of distance.
+    pub fn is_parallel(self) -> bool {
+        matches!(self, Self::Cascades | Self::Slab)
+    }
+
     /// Of a light; `None` for those that cast no shadow.
     pub fn of(light: &Light) -> Option<Self> {
         light.shadow?;
