@@ -2,8 +2,14 @@
 // draws surfaces with their materials; wants pixel.glsl, brdf.glsl and Surface.
 
 #include "material.glsl"
+#if defined(AMBIENT) || defined(LIGHTMAP)
+#include "light/diffuse.glsl"
+#endif
 #ifdef AMBIENT
 #include "light/ambient.glsl"
+#endif
+#ifdef LIGHTMAP
+#include "light/lightmap.glsl"
 #endif
 #ifdef ENVIRONMENT
 #include "light/environment.glsl"
@@ -78,9 +84,11 @@ vec3 indirect_light(Fragment fragment) {
     if (EMISSIVE) {
         light += fragment.emission;
     }
-#ifdef AMBIENT
+#if defined(AMBIENT) || defined(LIGHTMAP)
     vec3 v = view_direction_world();
     float n_dot_v = clamp(dot(surface.normal_world, v), MIN_N_DOT_V, 1.0);
+#endif
+#ifdef AMBIENT
     vec3 diffuse_nt = frame.ambient_nt.rgb;
     vec3 specular_nt = frame.ambient_nt.rgb;
 #ifdef ENVIRONMENT
@@ -88,7 +96,14 @@ vec3 indirect_light(Fragment fragment) {
     vec3 towards = dominant_direction(surface.normal_world, v, surface.roughness);
     specular_nt += environment_radiance_nt(towards, surface.roughness);
 #endif
+#ifdef LIGHTMAP
+    // The map has all diffuse light, and knows better what it is hidden from.
+    diffuse_nt = vec3(0.0);
+#endif
     light += light_around(surface, n_dot_v, diffuse_nt, specular_nt, fragment.occlusion);
+#endif
+#ifdef LIGHTMAP
+    light += lightmap_irradiance() / PI * diffuse_albedo(surface, n_dot_v);
 #endif
     return light;
 }

@@ -14,6 +14,13 @@ layout(set = SET_FRAME, binding = BINDING_INSTANCES, std430) readonly buffer Ins
     Instance instances[];
 };
 
+#ifdef LIGHTMAP
+// The instance's part of the lightmap: where TEXCOORD_1 = (0, 0) lies, and from there to (1, 1).
+layout(set = SET_FRAME, binding = BINDING_LIGHTMAPS, std430) readonly buffer Lightmaps {
+    vec4 lightmaps[];
+};
+#endif
+
 layout(location = ATTRIBUTE_POSITION) in vec3 attribute_position;
 #ifdef HAS_NORMAL
 layout(location = ATTRIBUTE_NORMAL) in vec3 attribute_normal;
@@ -34,6 +41,9 @@ layout(location = VARYING_TEXCOORD) out vec4 varying_texcoord;
 layout(location = VARYING_TANGENT) out vec4 varying_tangent_world;
 #endif
 layout(location = VARYING_COLOR) out vec4 varying_color;
+#ifdef LIGHTMAP
+layout(location = VARYING_LIGHTMAP) out vec2 varying_lightmap;
+#endif
 
 // Equal positions give equal depths in every module, so that passes may repeat each other's geometry.
 out gl_PerVertex {
@@ -80,5 +90,10 @@ void main() {
     varying_color = attribute_color;
 #else
     varying_color = vec4(1.0);
+#endif
+
+#ifdef LIGHTMAP
+    vec4 rect = lightmaps[gl_InstanceIndex];
+    varying_lightmap = rect.xy + attribute_texcoord.zw * rect.zw;
 #endif
 }

@@ -8,8 +8,8 @@ mod reflect;
 mod shader_manifest;
 
 use ontile::gpu::shader::{
-    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, Specialization,
-    embedded_names, shared,
+    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, SkyConstants,
+    Specialization, embedded_names, shared,
 };
 use ontile::gpu::shared::{
     ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush, MaterialData,
@@ -131,7 +131,13 @@ fn stale_modules_are_reported() {
 fn names_are_unique_and_unknown_keys_are_errors() {
     let all = Module::all();
     assert_eq!(all.iter().map(|m| m.name()).collect::<BTreeSet<_>>().len(), all.len());
-    let tangent_only = Module::GeometryVertex { normal: false, texcoord: false, tangent: true, color: false };
+    let tangent_only = Module::GeometryVertex {
+        normal: false,
+        texcoord: false,
+        tangent: true,
+        color: false,
+        lightmap: false,
+    };
     assert!(tangent_only.spirv().unwrap_err().to_string().contains("geometry_t.vert"));
 }
 
@@ -264,7 +270,8 @@ fn interfaces_have_the_numbers_of_shared_h() {
 #[test]
 fn wrong_interfaces_are_reported() {
     let numbers = shared_numbers();
-    let nutc = Module::GeometryVertex { normal: true, texcoord: true, tangent: true, color: true };
+    let nutc =
+        Module::GeometryVertex { normal: true, texcoord: true, tangent: true, color: true, lightmap: false };
     let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, lights: ALL_LIGHTS };
     for (module, decoration) in [
         (nutc, Decoration::Location),
@@ -290,7 +297,7 @@ fn fragments_read_what_vertices_write() {
     let all = reflections();
     let mut pairs = 0;
     for (vertex, written) in &all {
-        let Module::GeometryVertex { texcoord, .. } = *vertex else { continue };
+        let Module::GeometryVertex { texcoord, lightmap, .. } = *vertex else { continue };
         for (fragment, read) in &all {
             let (Module::GeometryFragment { textured, .. }
             | Module::Unlit { textured }
@@ -301,7 +308,8 @@ fn fragments_read_what_vertices_write() {
             else {
                 continue;
             };
-            if textured && !texcoord {
+            let lightmapped = fragment.defines().contains(&"LIGHTMAP");
+            if (textured && !texcoord) || (lightmapped && !lightmap) {
                 continue;
             }
             let missing: Vec<_> = read.inputs().difference(&written.outputs()).cloned().collect();
@@ -309,15 +317,24 @@ fn fragments_read_what_vertices_write() {
             pairs += 1;
         }
     }
-    // Untextured fragments follow all 10 vertex modules, textured ones the 6 with texture coordinates.
-    let textured = all.iter().filter(|(module, _)| module.defines().contains(&"TEXTURED")).count();
-    assert_eq!(pairs, textured * (10 + 6), "as many untextured as textured ones");
+    // Untextured fragments follow all 14 vertex modules, textured ones the 10 with texture coordinates, and those with a
+    // lightmap the 4 with one.
+    let count = |lightmap: bool| {
+        let wanted =
+            |defines: Vec<&str>| defines.contains(&"TEXTURED") && defines.contains(&"LIGHTMAP") == lightmap;
+        all.iter().filter(|(module, _)| wanted(module.defines())).count()
+    };
+    assert_eq!(
+        pairs,
+        count(false) * (14 + 10) + count(true) * (4 + 4),
+        "as many untextured as textured ones"
+    );
 }
 
 #[test]
 fn vertices_have_the_attributes_of_their_key() {
     for (module, reflection) in reflections() {
-        let Module::GeometryVertex { normal, texcoord, tangent, color } = module else { continue };
+        let Module::GeometryVertex { normal, texcoord, tangent, color, .. } = module else { continue };
         let has = [
             (true, "attribute_position"),
             (normal, "attribute_normal"),
@@ -353,6 +370,7 @@ fn specialization(module: Module) -> Specialization {
             LightingConstants { fold: Some(output), shadow_filter, ..Default::default() }.specialization()
         }
         Module::Tonemap { .. } => output.specialization(),
+        Module::Sky { .. } => SkyConstants { rgbm: false, output }.specialization(),
     }
 }
 

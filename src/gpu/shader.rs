@@ -3,54 +3,16 @@
 //! [`Module::all`] is the one list. `tools/shaders` compiles it into `glsl/spirv/`, this module embeds the result,
 //! and a test compares the two.
 
+mod numbers;
 mod specialization;
 
+pub use numbers::shared;
 pub use specialization::{
-    GeometryConstants, LightingConstants, OutputConstants, Specialization, TextureSlot,
+    GeometryConstants, LightingConstants, OutputConstants, SkyConstants, Specialization, TextureSlot,
 };
 
 use crate::plan::{Around, Layout};
 use crate::{Error, Result};
-
-/// The number that `glsl/shared.h` defines for `name`; call it in a `const`, so that a missing name does not compile.
-///
-/// # Panics
-/// If the header has no line `#define name NUMBER`.
-pub const fn shared(name: &str) -> u32 {
-    let (text, name) = (include_str!("../../glsl/shared.h").as_bytes(), name.as_bytes());
-    let mut line = 0;
-    while line < text.len() {
-        if let Some(at) = skip(text, line, b"#define ")
-            && let Some(at) = skip(text, at, name)
-            && let Some(mut at) = skip(text, at, b" ")
-        {
-            let mut number = 0;
-            assert!(at < text.len() && text[at].is_ascii_digit(), "shared.h: not a number");
-            while at < text.len() && text[at].is_ascii_digit() {
-                number = number * 10 + (text[at] - b'0') as u32;
-                at += 1;
-            }
-            return number;
-        }
-        while line < text.len() && text[line] != b'\n' {
-            line += 1;
-        }
-        line += 1;
-    }
-    panic!("shared.h does not define this name")
-}
-
-/// Where `text` goes on after `prefix` at `at`.
-const fn skip(text: &[u8], at: usize, prefix: &[u8]) -> Option<usize> {
-    let mut i = 0;
-    while i < prefix.len() {
-        if at + i >= text.len() || text[at + i] != prefix[i] {
-            return None;
-        }
-        i += 1;
-    }
-    Some(at + i)
-}
 
 /// How many kinds of texture a material can have; their order is that of `KIND_*` in `glsl/shared.h`.
 pub const KIND_COUNT: usize = shared("KIND_COUNT") as usize;
@@ -77,6 +39,8 @@ pub enum Module {
         tangent: bool,
         /// Vertex colours.
         color: bool,
+        /// A part of the lightmap for each instance. Needs a normal and a texcoord.
+        lightmap: bool,
     },
     /// Writes the G-buffer.
     GeometryFragment {
@@ -88,6 +52,8 @@ pub enum Module {
         textured: bool,
         /// What arrives from all around; nothing without a light target.
         around: Around,
+        /// Whether a lightmap brings the diffuse light; it needs a light target.
+        lightmap: bool,
     },
     /// Writes the output directly, where nothing is lit.
     Unlit {
@@ -102,6 +68,8 @@ pub enum Module {
         lights: LightInputs,
         /// What arrives from all around.
         around: Around,
+        /// Whether a lightmap brings the diffuse light.
+        lightmap: bool,
     },
     /// Writes the light that leaves a surface without light sources to the light target.
     Base {
@@ -109,6 +77,8 @@ pub enum Module {
         textured: bool,
         /// What arrives from all around.
         around: Around,
+        /// Whether a lightmap brings the diffuse light.
+        lightmap: bool,
     },
     /// Adds what a surface reflects of one light to the light target.
     Light {
@@ -133,6 +103,13 @@ pub enum Module {
     Tonemap {
         /// Whether fog lies between, so that depth is read too.
         fog: bool,
+    },
+    /// Draws the environment where no surface is.
+    Sky {
+        /// The G-buffer that it says "not lit" in; there is a light target then.
+        layout: Option<Layout>,
+        /// Writes to a light target, not to the output.
+        light_target: bool,
     },
     /// One triangle over the whole image.
     Fullscreen,
@@ -218,35 +195,46 @@ impl Module {
     /// Every module that exists.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
-        for attributes in 0..16 {
+        for attributes in 0..32 {
             let has = |bit: u32| attributes >> bit & 1 == 1;
-            let (normal, texcoord, tangent, color) = (has(0), has(1), has(2), has(3));
-            if !tangent || (normal && texcoord) {
-                all.push(Self::GeometryVertex { normal, texcoord, tangent, color });
+            let (normal, texcoord, tangent, color, lightmap) = (has(0), has(1), has(2), has(3), has(4));
+            if !(tangent || lightmap) || (normal && texcoord) {
+                all.push(Self::GeometryVertex { normal, texcoord, tangent, color, lightmap });
             }
         }
         for &layout in Layout::ALL {
             for textured in [false, true] {
-                let module =
-                    |light_target, around| Self::GeometryFragment { layout, light_target, textured, around };
-                all.push(module(false, Around::Nothing));
-                all.extend(AROUND.map(|around| module(true, around)));
+                let module = |light_target, around, lightmap| Self::GeometryFragment {
+                    layout,
+                    light_target,
+                    textured,
+                    around,
+                    lightmap,
+                };
+                all.push(module(false, Around::Nothing, false));
+                for lightmap in [false, true] {
+                    all.extend(AROUND.map(|around| module(true, around, lightmap)));
+                }
             }
+            all.push(Self::Sky { layout: Some(layout), light_target: true });
             let loops = [LightLoop::All, LightLoop::Cluster, LightLoop::One];
             all.extend(LightInputs::of(&loops).map(|lights| Self::Lighting { layout, lights }));
         }
         for textured in [false, true] {
             all.push(Self::Unlit { textured });
-            for lights in LightInputs::of(&[LightLoop::All, LightLoop::Cluster]) {
-                all.extend(AROUND.map(|around| Self::Forward { textured, lights, around }));
+            for lightmap in [false, true] {
+                all.extend(AROUND.map(|around| Self::Base { textured, around, lightmap }));
+                for lights in LightInputs::of(&[LightLoop::All, LightLoop::Cluster]) {
+                    all.extend(AROUND.map(|around| Self::Forward { textured, lights, around, lightmap }));
+                }
             }
         }
         for textured in [false, true] {
-            all.extend(AROUND.map(|around| Self::Base { textured, around }));
             all.extend(LightInputs::of(&[LightLoop::One]).map(|lights| Self::Light { textured, lights }));
             all.push(Self::Mask { textured });
         }
         all.extend([false, true].map(|fog| Self::Tonemap { fog }));
+        all.extend([false, true].map(|light_target| Self::Sky { layout: None, light_target }));
         all.extend([Self::Fullscreen, Self::LightVolume, Self::ShadowCompose]);
         for (masked, texcoord, color) in
             [(false, false, false), (true, true, false), (true, false, true), (true, true, true)]
@@ -260,34 +248,42 @@ impl Module {
     pub fn name(self) -> String {
         let suffix = |has: bool, text: &'static str| if has { text } else { "" };
         match self {
-            Self::GeometryVertex { normal: false, texcoord: false, tangent: false, color: false } => {
+            Self::GeometryVertex { normal: false, texcoord: false, tangent: false, color: false, .. } => {
                 "geometry_p.vert".into()
             }
-            Self::GeometryVertex { normal, texcoord, tangent, color } => format!(
-                "geometry_{}{}{}{}.vert",
+            Self::GeometryVertex { normal, texcoord, tangent, color, lightmap } => format!(
+                "geometry_{}{}{}{}{}.vert",
                 suffix(normal, "n"),
                 suffix(texcoord, "u"),
                 suffix(tangent, "t"),
                 suffix(color, "c"),
+                suffix(lightmap, "l"),
             ),
-            Self::GeometryFragment { layout, light_target, textured, around } => format!(
-                "geometry_{layout}{}{}{}.frag",
+            Self::GeometryFragment { layout, light_target, textured, around, lightmap } => format!(
+                "geometry_{layout}{}{}{}{}.frag",
                 suffix(light_target, "_light"),
                 suffix(textured, "_textured"),
                 around_suffix(around),
+                suffix(lightmap, "_lightmap"),
             ),
             Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
-            Self::Base { textured, around } => {
-                format!("base{}{}.frag", suffix(textured, "_textured"), around_suffix(around))
-            }
+            Self::Base { textured, around, lightmap } => format!(
+                "base{}{}{}.frag",
+                suffix(textured, "_textured"),
+                around_suffix(around),
+                suffix(lightmap, "_lightmap"),
+            ),
             Self::Light { textured, lights } => {
                 format!("light{}{}.frag", suffix(textured, "_textured"), lights.suffix())
             }
             Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured, lights, around } => {
-                let (lights, textured) = (lights.suffix(), suffix(textured, "_textured"));
-                format!("forward{lights}{textured}{}.frag", around_suffix(around))
-            }
+            Self::Forward { textured, lights, around, lightmap } => format!(
+                "forward{}{}{}{}.frag",
+                lights.suffix(),
+                suffix(textured, "_textured"),
+                around_suffix(around),
+                suffix(lightmap, "_lightmap"),
+            ),
             Self::Lighting { layout, lights } => format!("lighting_{layout}{}.frag", lights.suffix()),
             Self::ShadowCompose => "shadow_compose.frag".into(),
             Self::ShadowVertex { masked: false, .. } => "shadow.vert".into(),
@@ -295,6 +291,10 @@ impl Module {
                 format!("shadow_masked_{}{}.vert", suffix(texcoord, "u"), suffix(color, "c"))
             }
             Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
+            Self::Sky { layout, light_target } => {
+                let layout = layout.map_or(String::new(), |layout| format!("_{layout}"));
+                format!("sky{layout}{}.frag", suffix(light_target, "_light"))
+            }
             Self::Fullscreen => "fullscreen.vert".into(),
             Self::LightVolume => "light_volume.vert".into(),
         }
@@ -312,6 +312,7 @@ impl Module {
             Self::Mask { .. } => "mask.frag",
             Self::Lighting { .. } => "lighting.frag",
             Self::Tonemap { .. } => "tonemap.frag",
+            Self::Sky { .. } => "sky.frag",
             Self::Fullscreen => "fullscreen.vert",
             Self::ShadowCompose => "shadow_compose.frag",
             Self::ShadowVertex { .. } => "shadow.vert",
@@ -334,7 +335,8 @@ impl Module {
             | Self::Mask { .. }
             | Self::Lighting { .. }
             | Self::Tonemap { .. }
-            | Self::ShadowCompose => Stage::Fragment,
+            | Self::ShadowCompose
+            | Self::Sky { .. } => Stage::Fragment,
         }
     }
 
@@ -348,33 +350,37 @@ impl Module {
             defines.iter().filter(|(wanted, _)| *wanted).map(|(_, define)| *define).collect()
         };
         match self {
-            Self::GeometryVertex { normal, texcoord, tangent, color } => chosen(&[
+            Self::GeometryVertex { normal, texcoord, tangent, color, lightmap } => chosen(&[
                 (normal, "HAS_NORMAL"),
                 (texcoord, "HAS_TEXCOORD"),
                 (tangent, "HAS_TANGENT"),
                 (color, "HAS_COLOR"),
+                (lightmap, "LIGHTMAP"),
             ]),
-            Self::GeometryFragment { layout, light_target, textured, around } => chosen(&[
+            Self::GeometryFragment { layout, light_target, textured, around, lightmap } => chosen(&[
                 (true, layout_define(layout)),
                 (light_target, "LIGHT_TARGET"),
                 (textured, "TEXTURED"),
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
+                (lightmap, "LIGHTMAP"),
             ]),
             Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
             Self::Light { textured, lights } => {
                 chosen(&[&[(textured, "TEXTURED")][..], &lights.defines()].concat())
             }
-            Self::Base { textured, around } => chosen(&[
+            Self::Base { textured, around, lightmap } => chosen(&[
                 (textured, "TEXTURED"),
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
+                (lightmap, "LIGHTMAP"),
             ]),
-            Self::Forward { textured, lights, around } => {
+            Self::Forward { textured, lights, around, lightmap } => {
                 let surface = [
                     (textured, "TEXTURED"),
                     (around >= Around::Ambient, "AMBIENT"),
                     (around >= Around::Environment, "ENVIRONMENT"),
+                    (lightmap, "LIGHTMAP"),
                 ];
                 chosen(&[&surface[..], &lights.defines()].concat())
             }
@@ -385,6 +391,9 @@ impl Module {
                 chosen(&[(masked, "MASKED"), (texcoord, "HAS_TEXCOORD"), (color, "HAS_COLOR")])
             }
             Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
+            Self::Sky { layout, light_target } => {
+                layout.map(layout_define).into_iter().chain(light_target.then_some("LIGHT_TARGET")).collect()
+            }
             Self::Fullscreen | Self::LightVolume | Self::ShadowCompose => Vec::new(),
         }
     }

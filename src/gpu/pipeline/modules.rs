@@ -1,8 +1,8 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, Specialization,
-    TextureSlot, shared,
+    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, SkyConstants,
+    Specialization, TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
 use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
@@ -42,27 +42,29 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 texcoord: textured,
                 tangent: false,
                 color: kind.vertex_color,
+                lightmap: false,
             };
             let mask = kind.alpha_mask.then_some(Module::Mask { textured });
             return (vertex, mask, surface_constants(plan, kind).specialization());
         }
         Pipeline::Surface(kind) => {
-            let textured = kind.textures != 0;
+            let (textured, lightmap) = (kind.textures != 0, kind.has_lightmap());
             let constants = surface_constants(plan, kind).specialization();
             let vertex = vertex_module(kind);
             if plan.has_gbuffer() {
                 let light_target = plan.has_light_target();
                 let around = kind.around;
-                (vertex, Module::GeometryFragment { layout, light_target, textured, around }, constants)
+                let module = Module::GeometryFragment { layout, light_target, textured, around, lightmap };
+                (vertex, module, constants)
             } else if plan.has_light_target() {
                 let around = kind.around;
                 let constants = constants.and(lighting.specialization()).and(output.specialization());
-                (vertex, Module::Base { textured, around }, constants)
+                (vertex, Module::Base { textured, around, lightmap }, constants)
             } else if kind.unlit {
                 (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
             } else {
                 let around = kind.around;
-                let module = Module::Forward { textured, lights, around };
+                let module = Module::Forward { textured, lights, around, lightmap };
                 (vertex, module, constants.and(lighting.specialization()))
             }
         }
@@ -76,6 +78,11 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 Module::Light { textured: kind.textures != 0, lights: one_light },
                 constants,
             )
+        }
+        Pipeline::Sky => {
+            let (layout, light_target) = (plan.has_gbuffer().then_some(layout), plan.has_light_target());
+            let constants = SkyConstants { rgbm: is_rgbm(plan), output };
+            (Module::Fullscreen, Module::Sky { layout, light_target }, constants.specialization())
         }
         Pipeline::Lighting => {
             let lighting = if one_by_one { lighting.only_global() } else { lighting };
@@ -108,9 +115,10 @@ fn shape_constant(shape: VolumeShape) -> Specialization {
 fn vertex_module(kind: &SurfaceKind) -> Module {
     Module::GeometryVertex {
         normal: !kind.unlit,
-        texcoord: kind.textures != 0,
+        texcoord: kind.reads_texcoords(),
         tangent: kind.needs_tangents(),
         color: kind.vertex_color,
+        lightmap: kind.has_lightmap(),
     }
 }
 
@@ -129,6 +137,12 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
         unlit: kind.unlit,
         vertex_color: kind.vertex_color,
         emissive: kind.emissive,
-        rgbm: plan.environment_texels().is_some_and(|(format, _)| format == TexelFormat::Rgbm),
+        rgbm: is_rgbm(plan),
+        lightmap_unit_lx: plan.needs.lightmap.map_or(1.0, |map| map.unit_lx),
+        lightmap_rgbm: plan.needs.lightmap.is_some() && plan.options.lightmap_format == TexelFormat::Rgbm,
     }
+}
+
+fn is_rgbm(plan: &Plan) -> bool {
+    plan.environment_texels().is_some_and(|(format, _)| format == TexelFormat::Rgbm)
 }

@@ -17,14 +17,15 @@ pub(super) struct VertexInput {
 
 impl VertexInput {
     pub(super) fn new(kind: &SurfaceKind) -> Result<Self> {
-        Self::of(kind, |_| true)
+        Self::of(kind, |stream| stream != StreamKind::Texcoords || kind.reads_texcoords())
     }
 
     /// What depth and masks need; the rest may be bound and is not read.
     pub(super) fn of_depth(kind: &SurfaceKind) -> Result<Self> {
         Self::of(kind, |stream| match stream {
             StreamKind::Position => true,
-            StreamKind::Texcoords | StreamKind::Color => kind.alpha_mask,
+            StreamKind::Texcoords => kind.alpha_mask && kind.textures != 0,
+            StreamKind::Color => kind.alpha_mask,
             StreamKind::Normal | StreamKind::Tangent => false,
         })
     }
@@ -117,6 +118,8 @@ fn depth_stencil(subpass: &Subpass, pipeline: &Pipeline) -> vk::PipelineDepthSte
                 false => vk::CompareOp::EQUAL,
             })
         }
+        // At the far plane: seen where nothing is before it.
+        Pipeline::Sky => test.depth_write_enable(false).depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL),
         // A surface in front of the volume has both of its sides behind it, one behind the volume none, and one within
         // it the far side only: it alone is left with a count that is not 0, whatever side is counted first. Without a
         // near plane's end it holds too: what the near plane cuts off would have been in front of all surfaces.

@@ -51,7 +51,7 @@ pub struct TextureSlot {
 }
 
 /// Constants of [`super::Module::GeometryFragment`], [`super::Module::Forward`] and [`super::Module::Unlit`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GeometryConstants {
     /// Base colour, metallic-roughness, normal, occlusion, emissive: those that the material has.
     pub textures: [Option<TextureSlot>; KIND_COUNT],
@@ -67,6 +67,10 @@ pub struct GeometryConstants {
     pub emissive: bool,
     /// Radiance is stored as RGBM.
     pub rgbm: bool,
+    /// Irradiance in lux of the lightmap's decoded value 1.
+    pub lightmap_unit_lx: f32,
+    /// The lightmap is stored as RGBM.
+    pub lightmap_rgbm: bool,
 }
 
 impl GeometryConstants {
@@ -102,6 +106,8 @@ impl GeometryConstants {
             (const { shared("ID_VERTEX_COLOR") }, self.vertex_color.into()),
             (const { shared("ID_EMISSIVE") }, self.emissive.into()),
             (const { shared("ID_RGBM") }, self.rgbm.into()),
+            (const { shared("ID_LIGHTMAP_UNIT") }, self.lightmap_unit_lx.to_bits()),
+            (const { shared("ID_LIGHTMAP_RGBM") }, self.lightmap_rgbm.into()),
         ])
     }
 }
@@ -168,6 +174,23 @@ fn shadow_constants(filter: ShadowFilter) -> Specialization {
         ShadowFilter::Jittered => const { shared("SHADOW_FILTER_JITTERED") },
     };
     Specialization::from_pairs(&[(const { shared("ID_SHADOW_FILTER") }, filter)])
+}
+
+/// Constants of [`super::Module::Sky`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkyConstants {
+    /// Radiance is stored as RGBM.
+    pub rgbm: bool,
+    /// Of the sky that is written to the output; without effect on one in the light target.
+    pub output: OutputConstants,
+}
+
+impl SkyConstants {
+    /// As ids and values.
+    pub fn specialization(&self) -> Specialization {
+        let rgbm = Specialization::from_pairs(&[(const { shared("ID_RGBM") }, self.rgbm.into())]);
+        self.output.specialization().and(rgbm)
+    }
 }
 
 /// Constants of the modules that write the output: [`super::Module::Tonemap`], [`super::Module::Unlit`],
