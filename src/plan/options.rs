@@ -166,7 +166,7 @@ named_enum! {
         D32 = "d32",
         /// 16-bit fixed point: half the memory and traffic. Parallel light has no more wrong pixels with it. What is far from
         /// a lamp has: steps of depth are 2.4 cm at 4 m from it, and grow with the square of the distance. The test
-        /// `half_the_bytes_do_where_light_is_parallel` in tests/shadows.rs measures both.
+        /// `half_the_bytes_do_where_light_is_parallel` in tests/shadows/rays.rs measures both.
         D16 = "d16",
     }
 }

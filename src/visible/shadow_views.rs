@@ -3,7 +3,7 @@
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec2, Vec3, Vec4Swizzles};
 use serde::Serialize;
 
-use super::{Frustum, Sphere};
+use super::{Frustum, Sphere, TexelArea};
 use crate::scene::{Aabb, Light, LightKind};
 
 /// Nearer than this to a point or spot light, distances to casters are not told apart, metres. With reversed depth in
@@ -209,33 +209,6 @@ impl ShadowView {
             1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0,
         ]);
         depth * self.clip_from_world
-    }
-}
-
-/// A part of a tile, texels from its corner: from `min` to before `max`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TexelArea {
-    /// From the left and from the top.
-    pub min: [u32; 2],
-    /// If not above `min` in both, the area is empty.
-    pub max: [u32; 2],
-}
-
-impl TexelArea {
-    fn is_empty(&self) -> bool {
-        (0..2).any(|axis| self.max[axis] <= self.min[axis])
-    }
-
-    /// The smallest area that holds both.
-    pub fn union(self, other: Self) -> Self {
-        match (self.is_empty(), other.is_empty()) {
-            (true, _) => other,
-            (_, true) => self,
-            _ => Self {
-                min: [0, 1].map(|axis| self.min[axis].min(other.min[axis])),
-                max: [0, 1].map(|axis| self.max[axis].max(other.max[axis])),
-            },
-        }
     }
 }
 
