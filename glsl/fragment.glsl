@@ -86,7 +86,12 @@ vec3 indirect_light(Fragment fragment) {
 #ifdef ENVIRONMENT
     diffuse_nt += environment_irradiance_nt(surface.normal_world);
     vec3 towards = dominant_direction(surface.normal_world, v, surface.roughness);
-    specular_nt += environment_radiance_nt(towards, surface.roughness);
+#ifdef PROBES
+    vec3 position_world = position_world(surface.depth);
+    specular_nt = specular_radiance_nt(position_world, towards, surface.roughness, specular_nt);
+#else
+    specular_nt = specular_radiance_nt(towards, surface.roughness, specular_nt);
+#endif
 #endif
     light += light_around(surface, n_dot_v, diffuse_nt, specular_nt, fragment.occlusion);
 #endif

@@ -14,6 +14,7 @@
 #define BINDING_SPLIT_SUM 8
 #define BINDING_ENVIRONMENT 9
 #define BINDING_RADIANCE 10
+#define BINDING_PROBES 11
 #define BINDING_VOLUMES 4
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
@@ -82,6 +83,7 @@
 #define ID_FOG_BASE 33
 #define ID_FOG_INVERSE_HEIGHT 34
 #define ID_RGBM 40
+#define ID_HAS_ENVIRONMENT 41
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

@@ -12,7 +12,7 @@ use ontile::gpu::shader::{
     shared,
 };
 use ontile::gpu::shared::{
-    ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, MaterialData,
+    ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, MaterialData, ProbeData,
 };
 use ontile::plan::Tonemap;
 use reflect::{Block, Reflection, block};
@@ -132,7 +132,7 @@ fn names_are_unique_and_unknown_keys_are_errors() {
     assert!(tangent_only.spirv().unwrap_err().to_string().contains("geometry_t.vert"));
 }
 
-fn blocks() -> [Block; 6] {
+fn blocks() -> [Block; 7] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -179,6 +179,7 @@ fn blocks() -> [Block; 6] {
             }
         ),
         block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
+        block!("Probe" = ProbeData { probe_from_world_rows, half_size, falloff, rotation, scale, padding }),
         block!("Environment" = EnvironmentUniforms { irradiance, rotation, scale, last_level }),
     ]
 }

@@ -138,13 +138,14 @@ pub enum LightLoop {
 }
 
 /// Every kind.
-const AROUND: [Around; 3] = [Around::Nothing, Around::Ambient, Around::Environment];
+const AROUND: [Around; 4] = [Around::Nothing, Around::Ambient, Around::Environment, Around::Probes];
 
 fn around_suffix(around: Around) -> &'static str {
     match around {
         Around::Nothing => "",
         Around::Ambient => "_ambient",
         Around::Environment => "_environment",
+        Around::Probes => "_probes",
     }
 }
 
@@ -270,6 +271,7 @@ impl Module {
                 (textured, "TEXTURED"),
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
+                (around >= Around::Probes, "PROBES"),
             ]),
             Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
             Self::Forward { textured, clusters, around } => chosen(&[
@@ -277,6 +279,7 @@ impl Module {
                 (clusters, "CLUSTERS"),
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
+                (around >= Around::Probes, "PROBES"),
             ]),
             Self::Lighting { layout, lights } => chosen(&[
                 (true, layout_define(layout)),

@@ -137,6 +137,7 @@ impl std::fmt::Display for SurfaceKind {
             (self.emissive, "emissive"),
             (self.around == Around::Ambient, "ambient"),
             (self.around == Around::Environment, "environment"),
+            (self.around == Around::Probes, "probes"),
         ];
         flags.iter().filter(|(on, _)| *on).try_for_each(|(_, name)| write!(f, " +{name}"))
     }
@@ -180,6 +181,8 @@ pub struct Needs {
     pub most_local_lights: usize,
     /// The environment, if anything receives its light.
     pub environment: Option<EnvironmentNeed>,
+    /// Probes, if anything receives their light.
+    pub probes: Vec<EnvironmentNeed>,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
     /// The background, as linear display light, if it is a colour.
@@ -226,6 +229,7 @@ impl Needs {
             ask(|k| k.unlit, "is unlit");
             ask(|k| k.around == Around::Ambient, "receives ambient light");
             ask(|k| k.around == Around::Environment, "receives light of the environment");
+            ask(|k| k.around == Around::Probes, "receives light of probes");
         }
         let lights = || scene.lights.iter().filter(|l| !l.is_dark());
         let count = |wanted: fn(&LightKind) -> bool| lights().filter(|l| wanted(&l.kind)).count();
@@ -240,7 +244,20 @@ impl Needs {
                 .filter(|l| l.has_back() && !matches!(l.kind, LightKind::Hemisphere { .. }))
                 .count(),
             most_local_lights: most_local_lights(scene),
-            environment: EnvironmentNeed::of(scene).filter(|_| lit.is_some()),
+            environment: scene
+                .environment
+                .as_ref()
+                .filter(|e| lit.is_some() && !e.is_dark())
+                .map(EnvironmentNeed::new),
+            probes: scene
+                .probes
+                .iter()
+                .filter(|_| lit.is_some())
+                .map(|probe| EnvironmentNeed {
+                    name: probe.name.clone(),
+                    ..EnvironmentNeed::new(&probe.environment)
+                })
+                .collect(),
             triangles: scene.triangle_count(),
             background: match scene.background {
                 Background::Black => None,

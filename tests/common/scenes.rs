@@ -1,6 +1,5 @@
 //! Scenes built by hand, small enough to render often; together they use every kind of surface, light and camera.
 
-use ontile::environment::{Panorama, Prefiltered, TexelFormat, direction_from_uv};
 use ontile::glam::{Mat4, Vec2, Vec3, Vec4, camera::rh::view::look_at_mat4};
 use ontile::scene::{
     AlphaMode, Background, Camera, Environment, Fog, FogHeight, Image, Instance, Light, LightKind, Material,
@@ -8,7 +7,8 @@ use ontile::scene::{
 };
 use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+
+use super::environments;
 
 /// The scenes that the repository ships, loaded, in order of name.
 ///
@@ -53,9 +53,9 @@ pub fn sample_files() -> Vec<PathBuf> {
     files
 }
 
-/// All scenes of this file.
+/// All scenes that are built by hand.
 pub fn built() -> Vec<Scene> {
-    vec![
+    let mut all = vec![
         every_feature(),
         orthographic(),
         lights_only(),
@@ -75,9 +75,9 @@ pub fn built() -> Vec<Scene> {
         foggy(),
         foggy_lights(),
         foggy_unlit(),
-        environment(),
-        environment_alone(),
-    ]
+    ];
+    all.extend(environments::all());
+    all
 }
 
 /// All kinds of lights; emissive, unlit and lit surfaces; ambient light with an occlusion texture; normal map, vertex
@@ -102,34 +102,6 @@ pub fn every_feature() -> Scene {
     };
     add(&mut scene, square(), sign, &[at(1.5, 1.2, -0.6) * Mat4::from_scale(Vec3::splat(0.4))]);
     scene
-}
-
-/// [`every_feature`] under a sky, with occlusion textures and ambient light.
-pub fn environment() -> Scene {
-    Scene { name: "environment".into(), environment: Some(sky()), ..every_feature() }
-}
-
-/// Untextured surfaces under a sky, without light sources.
-pub fn environment_alone() -> Scene {
-    Scene { name: "environment_alone".into(), environment: Some(sky()), lights: Vec::new(), ..lights_only() }
-}
-
-/// Different in all directions, filtered small.
-fn sky() -> Environment {
-    let texel = |i: u32| {
-        let d =
-            direction_from_uv([(f64::from(i % 64) + 0.5) / 64.0, (f64::from(i / 64) + 0.5) / 32.0]).as_vec3();
-        let sun = if d.dot(Vec3::new(0.48, 0.6, 0.64)) > 0.98 { 20.0 } else { 0.0 };
-        (d * 0.4 + 0.5) * if d.y > 0.0 { 1.0 } else { 0.3 } + sun
-    };
-    let panorama = Panorama::new(64, 32, (0..64 * 32).map(texel).collect()).expect("a panorama");
-    let prefiltered = Prefiltered::new(&panorama, 32, TexelFormat::E5B9G9R9);
-    Environment {
-        prefiltered: Some(Arc::new(prefiltered)),
-        rotation_deg: 40.0,
-        intensity: 0.7,
-        ..Environment::new("sky", panorama)
-    }
 }
 
 /// [`every_feature`] in parallel projection.

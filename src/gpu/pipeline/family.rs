@@ -34,10 +34,11 @@ const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
 const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
 const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
+const PROBES: u32 = shared("BINDING_PROBES");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 9] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -48,6 +49,7 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 8] = {
         (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (PROBES, T::STORAGE_BUFFER, S::FRAGMENT),
         (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
@@ -71,6 +73,7 @@ impl Family {
                 Around::Nothing => &[],
                 Around::Ambient => &[SPLIT_SUM],
                 Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
+                Around::Probes => &[SPLIT_SUM, ENVIRONMENT, RADIANCE, PROBES],
             },
             _ => &[],
         };

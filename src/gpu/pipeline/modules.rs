@@ -108,6 +108,7 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
         unlit: kind.unlit,
         vertex_color: kind.vertex_color,
         emissive: kind.emissive,
+        has_environment: plan.needs.environment.is_some(),
         rgbm: plan.environment_texels().is_some_and(|(format, _)| format == TexelFormat::Rgbm),
     }
 }

@@ -67,6 +67,8 @@ pub struct GeometryConstants {
     pub emissive: bool,
     /// Radiance is stored as RGBM.
     pub rgbm: bool,
+    /// Beside probes the scene has an environment.
+    pub has_environment: bool,
 }
 
 impl GeometryConstants {
@@ -102,6 +104,7 @@ impl GeometryConstants {
             (const { shared("ID_VERTEX_COLOR") }, self.vertex_color.into()),
             (const { shared("ID_EMISSIVE") }, self.emissive.into()),
             (const { shared("ID_RGBM") }, self.rgbm.into()),
+            (const { shared("ID_HAS_ENVIRONMENT") }, self.has_environment.into()),
         ])
     }
 }
