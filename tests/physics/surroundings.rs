@@ -7,7 +7,7 @@ use ontile::plan::{Layout, OutputFormat, Path, Tonemap};
 use ontile::reference::{Pixel, render};
 use ontile::scene::{Background, Fog, FogHeight, LightmapRect, Scene};
 
-use crate::common::scenes as common;
+use crate::common::{environments, scenes as common};
 use crate::error::{Errors, FLOOR, MAX_RELATIVE_ERROR, PROMISED_PART};
 use crate::gpu::{Ask, Gpu};
 use crate::scenes;
@@ -105,7 +105,7 @@ fn lightmapped() -> [Scene; 3] {
     let alone = common::lightmapped_alone();
     let ambient_nt = Vec3::new(0.2, 0.3, 0.1);
     let ambient = Scene { name: "and ambient".into(), ambient_nt, ..alone.clone() };
-    let environment = Scene { environment: common::environment().environment, ..alone.clone() };
+    let environment = Scene { environment: environments::environment().environment, ..alone.clone() };
     [alone, ambient, Scene { name: "and an environment".into(), ..environment }]
 }
 
@@ -189,7 +189,7 @@ fn a_lightmap_in_rgbm_is_the_references_but_for_the_filters_bits() {
 #[test]
 fn the_sky_is_the_environment_and_nothing_is_lit_there() {
     let Some(gpu) = Gpu::open() else { return };
-    for scene in [common::before_sky(), common::sky_unlit(), common::sky_alone()] {
+    for scene in [common::before_sky(), common::sky_unlit(), common::sky_alone(), environments::probes()] {
         let camera = &scene.cameras[0];
         for path in PATHS {
             let rendered = gpu.render(&scene, camera, Ask { path, exposure_ev: -1.0, ..Ask::EXACT });

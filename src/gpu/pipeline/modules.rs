@@ -82,7 +82,8 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::Sky => {
             let (layout, light_target) = (plan.has_gbuffer().then_some(layout), plan.has_light_target());
             let constants = SkyConstants { rgbm: is_rgbm(plan), output };
-            (Module::Fullscreen, Module::Sky { layout, light_target }, constants.specialization())
+            let probes = !plan.needs.probes.is_empty();
+            (Module::Fullscreen, Module::Sky { layout, light_target, probes }, constants.specialization())
         }
         Pipeline::Lighting => {
             let lighting = if one_by_one { lighting.only_global() } else { lighting };
@@ -137,6 +138,7 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
         unlit: kind.unlit,
         vertex_color: kind.vertex_color,
         emissive: kind.emissive,
+        has_environment: plan.needs.environment.is_some(),
         rgbm: is_rgbm(plan),
         lightmap_unit_lx: plan.needs.lightmap.map_or(1.0, |map| map.unit_lx),
         lightmap_rgbm: plan.needs.lightmap.is_some() && plan.options.lightmap_format == TexelFormat::Rgbm,
