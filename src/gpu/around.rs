@@ -37,6 +37,7 @@ impl AroundData {
         let has_probes = !plan.needs.probes.is_empty();
         let environment = scene.environment.as_ref().filter(|_| plan.needs.environment.is_some());
         let probes = if has_probes { &scene.probes[..] } else { &[] };
+        probes.iter().try_for_each(Probe::check)?;
         let lightmap = scene.lightmap.as_ref().filter(|_| plan.needs.lightmap.is_some());
         let reflects = plan.needs.kinds.iter().any(|need| need.kind.around.any());
         let mut data = Self {

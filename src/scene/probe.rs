@@ -3,13 +3,14 @@
 use glam::{DQuat, DVec3, Quat, Vec3};
 
 use super::Environment;
+use crate::{Error, Result};
 
 /// A box, and what glossy surfaces inside it reflect: the radiance that was captured at its centre.
 ///
 /// The radiance is taken to come from the box's faces, so reflections move as the viewer does ("parallax-corrected cube
 /// maps", Lagarde and Zanuttini, "Local Image-based Lighting With Parallax-corrected Cubemap", SIGGRAPH 2012). Inside, it
 /// takes the place of [`super::Scene::environment`] and [`super::Scene::ambient_nt`] for specular light; diffuse light stays theirs.
-/// Where boxes overlap they are blended by weight.
+/// Where boxes overlap they are blended by weight. Each pixel looks at all probes, so they should be few.
 #[derive(Clone, Debug)]
 pub struct Probe {
     /// A name for messages.
@@ -53,6 +54,27 @@ impl Probe {
         let ahead = DVec3::select(direction.cmplt(DVec3::ZERO), -half_size, half_size);
         let distances = (ahead - position).abs() / direction.abs().max(DVec3::splat(1e-12));
         position + direction * distances.min_element()
+    }
+
+    /// # Errors
+    /// [`Error::Unsupported`] for numbers that make no box, or no light.
+    pub fn check(&self) -> Result<()> {
+        let environment = &self.environment;
+        let numbers = [self.falloff_m, environment.rotation_deg, environment.intensity];
+        let is_sound = self.position_world.is_finite()
+            && self.half_size_m.is_finite()
+            && self.half_size_m.min_element() > 0.0
+            && self.world_from_probe.is_normalized()
+            && numbers.iter().all(|number| number.is_finite())
+            && self.falloff_m.min(environment.intensity) >= 0.0;
+        is_sound.then_some(()).ok_or_else(|| {
+            let Self { name, position_world, half_size_m, falloff_m, .. } = self;
+            let problem = format!(
+                "probe '{name}' at {position_world}, half its size {half_size_m} m, falloff {falloff_m} m, intensity {}",
+                environment.intensity
+            );
+            Error::unsupported(problem, "give finite numbers, a size above 0, and a rotation of unit length")
+        })
     }
 
     fn rotation(&self) -> DQuat {
@@ -100,6 +122,25 @@ mod tests {
             (hard.weight(DVec3::new(3.99, 0.0, 0.0)), hard.weight(DVec3::new(4.0, 0.0, 0.0))),
             (1.0, 0.0)
         );
+    }
+
+    #[test]
+    fn numbers_that_make_no_box_are_refused() {
+        let spoil: [fn(&mut Probe); 6] = [
+            |p| p.position_world.y = f32::NAN,
+            |p| p.half_size_m.x = 0.0,
+            |p| p.half_size_m.z = f32::INFINITY,
+            |p| p.falloff_m = -0.1,
+            |p| p.world_from_probe = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0),
+            |p| p.environment.intensity = f32::NAN,
+        ];
+        probe().check().unwrap();
+        for (i, spoil) in spoil.iter().enumerate() {
+            let mut bad = probe();
+            spoil(&mut bad);
+            let message = bad.check().expect_err(&i.to_string()).to_string();
+            assert!(message.contains("probe 'room'"), "{message}");
+        }
     }
 
     #[test]
