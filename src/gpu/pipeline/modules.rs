@@ -50,7 +50,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::Surface(kind) => {
             let (textured, lightmap) = (kind.textures != 0, kind.has_lightmap());
             let constants = surface_constants(plan, kind).specialization();
-            let vertex = vertex_module(kind);
+            let vertex = vertex_module(kind, lightmap);
             if plan.has_gbuffer() {
                 let light_target = plan.has_light_target();
                 let around = kind.around;
@@ -74,7 +74,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 .and(lighting.specialization())
                 .and(output.specialization());
             (
-                vertex_module(kind),
+                vertex_module(kind, false),
                 Module::Light { textured: kind.textures != 0, lights: one_light },
                 constants,
             )
@@ -113,13 +113,13 @@ fn shape_constant(shape: VolumeShape) -> Specialization {
     })
 }
 
-fn vertex_module(kind: &SurfaceKind) -> Module {
+fn vertex_module(kind: &SurfaceKind, lightmap: bool) -> Module {
     Module::GeometryVertex {
         normal: !kind.unlit,
-        texcoord: kind.reads_texcoords(),
+        texcoord: kind.textures != 0 || lightmap,
         tangent: kind.needs_tangents(),
         color: kind.vertex_color,
-        lightmap: kind.has_lightmap(),
+        lightmap,
     }
 }
 
