@@ -214,8 +214,11 @@ fn the_sky_is_the_environment_and_lies_behind_all_surfaces() {
             assert!(worst(&turned) > MAX_RELATIVE_ERROR, "{}: a turned sky is not seen", scene.name);
 
             let before_black = Scene { background: Background::Black, ..scene.clone() };
-            let surfaces = gpu.render(&before_black, camera, ask).light();
             let reference = render(&before_black, camera, &rendered.settings);
+            if !reference.pixels.iter().any(|p| p.covered) {
+                continue;
+            }
+            let surfaces = gpu.render(&before_black, camera, ask).light();
             let same = |(index, pixel): (usize, &Pixel)| {
                 !pixel.covered || pixel.edge || surfaces[index].abs_diff_eq(light[index], 1e-6)
             };
