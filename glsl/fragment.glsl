@@ -14,6 +14,9 @@
 #ifdef ENVIRONMENT
 #include "light/environment.glsl"
 #endif
+#ifdef PROBES
+#include "light/probes.glsl"
+#endif
 
 layout(constant_id = ID_DOUBLE_SIDED) const bool DOUBLE_SIDED = false;
 layout(constant_id = ID_UNLIT) const bool UNLIT = false;
@@ -94,7 +97,11 @@ vec3 indirect_light(Fragment fragment) {
 #ifdef ENVIRONMENT
     diffuse_nt += environment_irradiance_nt(surface.normal_world);
     vec3 towards = dominant_direction(surface.normal_world, v, surface.roughness);
+#ifdef PROBES
+    specular_nt = specular_radiance_nt(position_world(surface.depth), towards, surface.roughness, specular_nt);
+#else
     specular_nt += environment_radiance_nt(towards, surface.roughness);
+#endif
 #endif
 #ifdef LIGHTMAP
     // The map has all diffuse light, and knows better what it is hidden from.

@@ -19,6 +19,7 @@
 #define BINDING_RADIANCE 10
 #define BINDING_LIGHTMAPS 11
 #define BINDING_LIGHTMAP 13
+#define BINDING_PROBES 14
 #define BINDING_VOLUMES 4
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
@@ -90,6 +91,7 @@
 #define ID_LIGHTMAP_UNIT 35
 #define ID_LIGHTMAP_RGBM 36
 #define ID_RGBM 40
+#define ID_HAS_ENVIRONMENT 41
 #define ID_SHADOW_FILTER 48
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.

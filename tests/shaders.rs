@@ -13,7 +13,7 @@ use ontile::gpu::shader::{
 };
 use ontile::gpu::shared::{
     ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush, MaterialData,
-    ShadowPush, ShadowViewData,
+    ProbeData, ShadowPush, ShadowViewData,
 };
 use ontile::plan::Tonemap;
 use reflect::{Block, Reflection, block};
@@ -141,7 +141,7 @@ fn names_are_unique_and_unknown_keys_are_errors() {
     assert!(tangent_only.spirv().unwrap_err().to_string().contains("geometry_t.vert"));
 }
 
-fn blocks() -> [Block; 9] {
+fn blocks() -> [Block; 10] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -193,6 +193,7 @@ fn blocks() -> [Block; 9] {
                 ShadowViewData { map_from_world, tile, texel_m, spread_texels, offset_texels, lift_texels }
         ),
         block!("ShadowPush" = ShadowPush { clip_from_world, nearest_depth }),
+        block!("Probe" = ProbeData { probe_from_world_rows, half_size, falloff, rotation, scale, padding }),
         block!("Environment" = EnvironmentUniforms { irradiance, rotation, scale, last_level }),
     ]
 }

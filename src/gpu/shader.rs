@@ -110,6 +110,8 @@ pub enum Module {
         layout: Option<Layout>,
         /// Writes to a light target, not to the output.
         light_target: bool,
+        /// There are probes beside the environment.
+        probes: bool,
     },
     /// One triangle over the whole image.
     Fullscreen,
@@ -181,13 +183,14 @@ impl LightInputs {
 }
 
 /// Every kind.
-const AROUND: [Around; 3] = [Around::Nothing, Around::Ambient, Around::Environment];
+const AROUND: [Around; 4] = [Around::Nothing, Around::Ambient, Around::Environment, Around::Probes];
 
 fn around_suffix(around: Around) -> &'static str {
     match around {
         Around::Nothing => "",
         Around::Ambient => "_ambient",
         Around::Environment => "_environment",
+        Around::Probes => "_probes",
     }
 }
 
@@ -216,7 +219,12 @@ impl Module {
                     all.extend(AROUND.map(|around| module(true, around, lightmap)));
                 }
             }
-            all.push(Self::Sky { layout: Some(layout), light_target: true });
+            let layout_of_sky = Some(layout);
+            all.extend([false, true].map(|probes| Self::Sky {
+                layout: layout_of_sky,
+                light_target: true,
+                probes,
+            }));
             let loops = [LightLoop::All, LightLoop::Cluster, LightLoop::One];
             all.extend(LightInputs::of(&loops).map(|lights| Self::Lighting { layout, lights }));
         }
@@ -234,7 +242,9 @@ impl Module {
             all.push(Self::Mask { textured });
         }
         all.extend([false, true].map(|fog| Self::Tonemap { fog }));
-        all.extend([false, true].map(|light_target| Self::Sky { layout: None, light_target }));
+        for (light_target, probes) in [(false, false), (true, false), (false, true), (true, true)] {
+            all.push(Self::Sky { layout: None, light_target, probes });
+        }
         all.extend([Self::Fullscreen, Self::LightVolume, Self::ShadowCompose]);
         for (masked, texcoord, color) in
             [(false, false, false), (true, true, false), (true, false, true), (true, true, true)]
@@ -291,9 +301,9 @@ impl Module {
                 format!("shadow_masked_{}{}.vert", suffix(texcoord, "u"), suffix(color, "c"))
             }
             Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
-            Self::Sky { layout, light_target } => {
+            Self::Sky { layout, light_target, probes } => {
                 let layout = layout.map_or(String::new(), |layout| format!("_{layout}"));
-                format!("sky{layout}{}.frag", suffix(light_target, "_light"))
+                format!("sky{layout}{}{}.frag", suffix(light_target, "_light"), suffix(probes, "_probes"))
             }
             Self::Fullscreen => "fullscreen.vert".into(),
             Self::LightVolume => "light_volume.vert".into(),
@@ -364,6 +374,7 @@ impl Module {
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
                 (lightmap, "LIGHTMAP"),
+                (around >= Around::Probes, "PROBES"),
             ]),
             Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
             Self::Light { textured, lights } => {
@@ -374,12 +385,14 @@ impl Module {
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
                 (lightmap, "LIGHTMAP"),
+                (around >= Around::Probes, "PROBES"),
             ]),
             Self::Forward { textured, lights, around, lightmap } => {
                 let surface = [
                     (textured, "TEXTURED"),
                     (around >= Around::Ambient, "AMBIENT"),
                     (around >= Around::Environment, "ENVIRONMENT"),
+                    (around >= Around::Probes, "PROBES"),
                     (lightmap, "LIGHTMAP"),
                 ];
                 chosen(&[&surface[..], &lights.defines()].concat())
@@ -391,8 +404,9 @@ impl Module {
                 chosen(&[(masked, "MASKED"), (texcoord, "HAS_TEXCOORD"), (color, "HAS_COLOR")])
             }
             Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
-            Self::Sky { layout, light_target } => {
-                layout.map(layout_define).into_iter().chain(light_target.then_some("LIGHT_TARGET")).collect()
+            Self::Sky { layout, light_target, probes } => {
+                let others = chosen(&[(light_target, "LIGHT_TARGET"), (probes, "PROBES")]);
+                layout.map(layout_define).into_iter().chain(others).collect()
             }
             Self::Fullscreen | Self::LightVolume | Self::ShadowCompose => Vec::new(),
         }

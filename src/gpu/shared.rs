@@ -136,6 +136,24 @@ pub struct ShadowPush {
     pub nearest_depth: f32,
 }
 
+/// What glossy surfaces reflect inside a box: `Probe` in `glsl/light/environment.glsl`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct ProbeData {
+    /// The first three rows of the transform into the box's space, metres along its axes from its centre.
+    pub probe_from_world_rows: [[f32; 4]; 3],
+    /// Half the box's size, metres.
+    pub half_size: [f32; 3],
+    /// Within each face, metres.
+    pub falloff: f32,
+    /// Cosine and sine of the angle by which the captured picture is turned about the box's +Y.
+    pub rotation: [f32; 2],
+    /// cd/m² of a stored 1.
+    pub scale: f32,
+    /// Unused.
+    pub padding: f32,
+}
+
 /// How a view is cut into cells: `ClusterGrid` in `glsl/light/clusters.glsl`, std430. The cells' lists follow it
 /// ([`crate::visible::Clusters::words`]).
 #[repr(C)]

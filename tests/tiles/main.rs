@@ -51,7 +51,7 @@ impl Frame {
         let trace = Turnip::trace(command).trace;
         let told = std::fs::read(&told).unwrap_or_else(|e| panic!("{case:?} on {gpu} told nothing: {e}"));
         let mut told: Told = serde_json::from_slice(&told).unwrap();
-        if case.path == LightPath::ForwardMultipass {
+        if case.path == LightPath::ForwardMultipass || shadow_tiles(&told.report) > 0 {
             told.messages.retain(|message| !message.contains(MANY_DRAWS));
         }
         Self { trace, told }
@@ -140,6 +140,20 @@ fn spoilt(fault: Fault) -> Case {
 }
 
 #[test]
+fn tiles_of_the_shadow_map_are_composed_without_a_load() {
+    let Some(turnip) = Turnip::find() else { return };
+    frames(&turnip, &Case { moves: true, ..metallic("shadows") }, |gpu, frame| {
+        let figures = &frame.told.report["device"]["shadows"];
+        assert!(figures["tiles_composed"].as_u64() > Some(0), "{gpu}: {figures}");
+        // The second frame's are the last.
+        let tiles = shadow_tiles(&frame.told.report);
+        let second = frame.trace.after(frame.trace.passes.len() - tiles - 1);
+        assert_eq!(shadow_passes(&second, tiles), [""; 0], "{gpu}");
+        assert_eq!(frame.told.messages, [""; 0], "{gpu}");
+    });
+}
+
+#[test]
 fn one_pass_stays_on_the_tile() {
     let Some(turnip) = Turnip::find() else { return };
     let cases = [
@@ -156,6 +170,7 @@ fn one_pass_stays_on_the_tile() {
         (3, metallic("before_sky")),
         (1, metallic("sky_alone")),
         (3, metallic("lightmapped")),
+        (3, metallic("probes")),
         (3, Case { lights: LightWay::Clusters, ..metallic(ALL_STAGES) }),
         (3, Case { lights: LightWay::Volumes, ..metallic(ALL_STAGES) }),
         (3, Case { lights: LightWay::Stencil, ..metallic(ALL_STAGES) }),

@@ -115,7 +115,8 @@ impl Builder<'_> {
         let fragment = fragment.as_ref().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module));
         let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
         let input = match pipeline {
-            Pipeline::Surface(kind) | Pipeline::Light(kind) => VertexInput::new(kind)?,
+            Pipeline::Surface(kind) => VertexInput::new(kind)?,
+            Pipeline::Light(kind) => VertexInput::of_light(kind)?,
             Pipeline::Depth(kind) => VertexInput::of_depth(kind)?,
             _ => VertexInput::default(),
         };

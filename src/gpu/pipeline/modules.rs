@@ -50,7 +50,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::Surface(kind) => {
             let (textured, lightmap) = (kind.textures != 0, kind.has_lightmap());
             let constants = surface_constants(plan, kind).specialization();
-            let vertex = vertex_module(kind);
+            let vertex = vertex_module(kind, lightmap);
             if plan.has_gbuffer() {
                 let light_target = plan.has_light_target();
                 let around = kind.around;
@@ -74,7 +74,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 .and(lighting.specialization())
                 .and(output.specialization());
             (
-                vertex_module(kind),
+                vertex_module(kind, false),
                 Module::Light { textured: kind.textures != 0, lights: one_light },
                 constants,
             )
@@ -82,7 +82,8 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::Sky => {
             let (layout, light_target) = (plan.has_gbuffer().then_some(layout), plan.has_light_target());
             let constants = SkyConstants { rgbm: is_rgbm(plan), output };
-            (Module::Fullscreen, Module::Sky { layout, light_target }, constants.specialization())
+            let probes = !plan.needs.probes.is_empty();
+            (Module::Fullscreen, Module::Sky { layout, light_target, probes }, constants.specialization())
         }
         Pipeline::Lighting => {
             let lighting = if one_by_one { lighting.only_global() } else { lighting };
@@ -112,13 +113,13 @@ fn shape_constant(shape: VolumeShape) -> Specialization {
     })
 }
 
-fn vertex_module(kind: &SurfaceKind) -> Module {
+fn vertex_module(kind: &SurfaceKind, lightmap: bool) -> Module {
     Module::GeometryVertex {
         normal: !kind.unlit,
-        texcoord: kind.reads_texcoords(),
+        texcoord: kind.textures != 0 || lightmap,
         tangent: kind.needs_tangents(),
         color: kind.vertex_color,
-        lightmap: kind.has_lightmap(),
+        lightmap,
     }
 }
 
@@ -137,6 +138,7 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
         unlit: kind.unlit,
         vertex_color: kind.vertex_color,
         emissive: kind.emissive,
+        has_environment: plan.needs.environment.is_some(),
         rgbm: is_rgbm(plan),
         lightmap_unit_lx: plan.needs.lightmap.map_or(1.0, |map| map.unit_lx),
         lightmap_rgbm: plan.needs.lightmap.is_some() && plan.options.lightmap_format == TexelFormat::Rgbm,

@@ -20,6 +20,11 @@ impl VertexInput {
         Self::of(kind, |stream| stream != StreamKind::Texcoords || kind.reads_texcoords())
     }
 
+    /// As [`Self::new`], where no lightmap is read.
+    pub(super) fn of_light(kind: &SurfaceKind) -> Result<Self> {
+        Self::of(kind, |stream| stream != StreamKind::Texcoords || kind.textures != 0)
+    }
+
     /// What depth and masks need; the rest may be bound and is not read.
     pub(super) fn of_depth(kind: &SurfaceKind) -> Result<Self> {
         Self::of(kind, |stream| match stream {

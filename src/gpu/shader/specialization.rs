@@ -71,6 +71,8 @@ pub struct GeometryConstants {
     pub lightmap_unit_lx: f32,
     /// The lightmap is stored as RGBM.
     pub lightmap_rgbm: bool,
+    /// Beside probes the scene has an environment.
+    pub has_environment: bool,
 }
 
 impl GeometryConstants {
@@ -108,6 +110,7 @@ impl GeometryConstants {
             (const { shared("ID_RGBM") }, self.rgbm.into()),
             (const { shared("ID_LIGHTMAP_UNIT") }, self.lightmap_unit_lx.to_bits()),
             (const { shared("ID_LIGHTMAP_RGBM") }, self.lightmap_rgbm.into()),
+            (const { shared("ID_HAS_ENVIRONMENT") }, self.has_environment.into()),
         ])
     }
 }
