@@ -387,3 +387,29 @@ fn modules_are_valid() {
     std::io::Write::write_all(&mut broken, &whole[..whole.len() - 4]).unwrap();
     assert!(!validate(broken.path()).unwrap().status.success());
 }
+
+/// Every module with several values for its specialisation constants.
+#[test]
+fn pruned_modules_are_valid() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut all = Vec::new();
+    for (module, reflection) in reflections() {
+        let mut ids: Vec<_> = reflection.specialisation_ids().into_iter().map(|(_, id)| id).collect();
+        ids.sort();
+        ids.dedup();
+        for value in 0..4 {
+            let constants = Specialization { ids: ids.clone(), data: vec![value; ids.len()] };
+            let start = std::time::Instant::now();
+            let pruned = ontile::gpu::shader::prune(module.spirv().unwrap(), &constants).unwrap();
+            let t = start.elapsed();
+            println!("{} {value} {} -> {} {t:?}", module.name(), module.spirv().unwrap().len()*4, pruned.len()*4);
+            let path = dir.path().join(format!("{}.{value}.spv", module.name()));
+            std::fs::write(&path, bytemuck::cast_slice(&pruned)).unwrap();
+            all.push(path);
+        }
+    }
+    for p in all {
+        let o = std::process::Command::new("spirv-val").args(["--target-env", "vulkan1.1"]).arg(&p).output().unwrap();
+        if !o.status.success() { println!("{p:?} {}", String::from_utf8_lossy(&o.stderr)); }
+    }
+}

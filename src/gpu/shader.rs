@@ -3,8 +3,10 @@
 //! [`Module::all`] is the one list. `tools/shaders` compiles it into `glsl/spirv/`, this module embeds the result,
 //! and a test compares the two.
 
+mod prune;
 mod specialization;
 
+pub use prune::prune;
 pub use specialization::{
     GeometryConstants, LightingConstants, OutputConstants, Specialization, TextureSlot,
 };
