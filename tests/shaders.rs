@@ -402,14 +402,25 @@ fn pruned_modules_are_valid() {
             let start = std::time::Instant::now();
             let pruned = ontile::gpu::shader::prune(module.spirv().unwrap(), &constants).unwrap();
             let t = start.elapsed();
-            println!("{} {value} {} -> {} {t:?}", module.name(), module.spirv().unwrap().len()*4, pruned.len()*4);
+            println!(
+                "{} {value} {} -> {} {t:?}",
+                module.name(),
+                module.spirv().unwrap().len() * 4,
+                pruned.len() * 4
+            );
             let path = dir.path().join(format!("{}.{value}.spv", module.name()));
             std::fs::write(&path, bytemuck::cast_slice(&pruned)).unwrap();
             all.push(path);
         }
     }
     for p in all {
-        let o = std::process::Command::new("spirv-val").args(["--target-env", "vulkan1.1"]).arg(&p).output().unwrap();
-        if !o.status.success() { println!("{p:?} {}", String::from_utf8_lossy(&o.stderr)); }
+        let o = std::process::Command::new("spirv-val")
+            .args(["--target-env", "vulkan1.1"])
+            .arg(&p)
+            .output()
+            .unwrap();
+        if !o.status.success() {
+            println!("{p:?} {}", String::from_utf8_lossy(&o.stderr));
+        }
     }
 }
