@@ -96,7 +96,7 @@ vec3 cone_position_world(Light light, uint vertex) {
     float range = 1.0 / light.inverse_range;
     vec3 axis = light.direction_world;
     // KHR_lights_punctual's offset is -cos(outer) * scale.
-    float cosine = clamp(-light.spot_offset / light.spot_scale, 0.0, 1.0);
+    float cosine = clamp(-light.spot_offset / light.edge, 0.0, 1.0);
     float sine = sqrt(max(1.0 - cosine * cosine, 1e-6));
     // Drawn back along its axis, the cone's mantle moves outwards.
     float back = room(light, range) / sine;

@@ -23,6 +23,8 @@ use shader_manifest::{Manifest, sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
+const ALL_LIGHTS: LightInputs = LightInputs { scan: LightLoop::All, shadows: false, globe_maps: false };
+
 fn glsl() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("glsl")
 }
@@ -168,15 +170,15 @@ fn blocks() -> [Block; 9] {
                 position_world,
                 inverse_range,
                 intensity,
-                spot_scale,
+                edge,
                 direction_world,
                 spot_offset,
                 up_world,
-                falloff,
+                globe_rotation,
                 back_intensity,
                 shadow,
                 half_size,
-                padding,
+                globe_map,
             }
         ),
         block!("LightPush" = LightPush { light }),
@@ -207,8 +209,7 @@ fn shared_structs_have_the_shaders_offsets() {
 
 #[test]
 fn wrong_offsets_are_reported() {
-    let lights = LightInputs { scan: LightLoop::All, shadows: false };
-    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, lights }.spirv().unwrap();
+    let frag = Module::Lighting { layout: ontile::plan::Layout::Exact, lights: ALL_LIGHTS }.spirv().unwrap();
     let light = &blocks()[3];
 
     // Rust's side: two members change places, one is forgotten.
@@ -264,8 +265,7 @@ fn interfaces_have_the_numbers_of_shared_h() {
 fn wrong_interfaces_are_reported() {
     let numbers = shared_numbers();
     let nutc = Module::GeometryVertex { normal: true, texcoord: true, tangent: true, color: true };
-    let lights = LightInputs { scan: LightLoop::All, shadows: false };
-    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, lights };
+    let lighting = Module::Lighting { layout: ontile::plan::Layout::Metallic128, lights: ALL_LIGHTS };
     for (module, decoration) in [
         (nutc, Decoration::Location),
         (nutc, Decoration::DescriptorSet),

@@ -2,6 +2,9 @@
 
 #include "light/punctual.glsl"
 #include "light/extent.glsl"
+#ifdef GLOBE_MAPS
+#include "light/globe.glsl"
+#endif
 #ifdef CLUSTERS
 #include "light/clusters.glsl"
 #endif
@@ -37,6 +40,16 @@ vec3 light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
     } else {
         incident = light_point(lights[i], position);
     }
+#ifdef GLOBE_MAPS
+    if (lights[i].globe_map != 0u) {
+        vec3 position_light = in_light_frame(lights[i], position);
+        if (i >= spot_begin) {
+            incident.illuminance *= globe_flat(lights[i], position_light, i < box_begin);
+        } else {
+            incident.illuminance *= globe_cube(lights[i], position_light);
+        }
+    }
+#endif
     float n_dot_l = dot(surface.normal_world, incident.direction);
 #ifdef SHADOWS
     if (lights[i].shadow != 0u && n_dot_l > 0.0 && incident.illuminance != vec3(0.0)) {
@@ -56,7 +69,7 @@ vec3 light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
 bool is_lit_from(uint i, Surface surface, vec3 position) {
     if (HAS_BOX && i >= frame.light_counts.x + frame.light_counts.y + frame.light_counts.z) {
         bool faces = HAS_BACK || dot(surface.normal_world, lights[i].direction_world) < 0.0;
-        return faces && all(lessThan(abs(box_position(lights[i], position)), lights[i].half_size));
+        return faces && all(lessThan(abs(in_light_frame(lights[i], position)), lights[i].half_size));
     }
     vec3 to_light = lights[i].position_world - position;
     float inverse_range = lights[i].inverse_range;

@@ -3,12 +3,12 @@
 // Boxes' falloff is held to at least this, metres: an edge, but no division by 0.
 const float MIN_FALLOFF = 1e-4;
 
-// From a box light's centre, in the light's frame: x right, y up, -z the way the light travels.
-vec3 box_position(Light light, vec3 position_world) {
-    vec3 from_center = position_world - light.position_world;
+// In the light's frame: x right, y up, -z the way the light travels.
+vec3 in_light_frame(Light light, vec3 position_world) {
+    vec3 from_light = position_world - light.position_world;
     vec3 right_world = cross(light.direction_world, light.up_world);
     return vec3(
-        dot(from_center, right_world), dot(from_center, light.up_world), -dot(from_center, light.direction_world)
+        dot(from_light, right_world), dot(from_light, light.up_world), -dot(from_light, light.direction_world)
     );
 }
 
@@ -21,7 +21,7 @@ float box_window(vec3 position_light, vec3 half_size, float falloff) {
 }
 
 Incident light_box(Light light, vec3 position_world) {
-    float window = box_window(box_position(light, position_world), light.half_size, light.falloff);
+    float window = box_window(in_light_frame(light, position_world), light.half_size, light.edge);
     return Incident(-light.direction_world, light.intensity * window, light.back_intensity * window);
 }
 

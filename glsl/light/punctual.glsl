@@ -5,15 +5,15 @@ struct Light {
     vec3 position_world;
     float inverse_range;  // 1 / m; 0: infinite
     vec3 intensity;       // colour * candela, directional and box: colour * lux
-    float spot_scale;
+    float edge;           // of a spot: spot_falloff's scale; of a box the width of its falloff, metres
     vec3 direction_world; // the way the light travels
     float spot_offset;
     vec3 up_world;        // the light's +Y
-    float falloff;        // of a box, metres
+    float globe_rotation; // radians
     vec3 back_intensity;  // lux on surfaces that face away
     uint shadow;          // shadow.glsl; 0: none
-    vec3 half_size;       // of a box, metres
-    uint padding;
+    vec3 half_size;       // of a box, metres; of a spot's globe map at a distance of 1 m
+    uint globe_map;       // its first layer + 1; 0: none
 };
 
 // Directional lights first, then point, spot, box: frame.light_counts.
@@ -60,6 +60,6 @@ Incident light_point(Light light, vec3 position_world) {
 Incident light_spot(Light light, vec3 position_world) {
     Incident incident = light_point(light, position_world);
     float direction_cosine = dot(light.direction_world, -incident.direction);
-    incident.illuminance *= spot_falloff(direction_cosine, light.spot_scale, light.spot_offset);
+    incident.illuminance *= spot_falloff(direction_cosine, light.edge, light.spot_offset);
     return incident;
 }

@@ -4,7 +4,7 @@ use glam::{DVec4, Vec3};
 
 use super::shared::{InstanceData, LightData, MaterialData};
 use crate::plan::SurfaceKind;
-use crate::scene::{AlphaMode, Light, LightKind, Material, TextureRef};
+use crate::scene::{AlphaMode, GlobeMap, Light, LightKind, Material, TextureRef};
 
 pub(super) fn instance(world_from_object: &glam::Mat4) -> InstanceData {
     let m = world_from_object;
@@ -31,31 +31,31 @@ pub(super) fn material(m: &Material) -> MaterialData {
     }
 }
 
-pub(super) fn light(l: &Light) -> LightData {
-    let (half_size, falloff) = match l.kind {
-        LightKind::Box { size_m, falloff_m, .. } => (size_m * 0.5, falloff_m),
-        _ => (Vec3::ZERO, 0.0),
-    };
-    let (spot_scale, spot_offset) = match l.kind {
+/// `globe_map` is the first layer of its globe map.
+pub(super) fn light(l: &Light, globe_map: Option<u32>) -> LightData {
+    let (half_size, edge, spot_offset) = match l.kind {
+        LightKind::Box { size_m, falloff_m, .. } => (size_m * 0.5, falloff_m, 0.0),
         LightKind::Spot { inner_cone_rad, outer_cone_rad, .. } => {
             // KHR_lights_punctual, "Inner and Outer Cone Angles".
             let outer = outer_cone_rad.cos();
             let scale = 1.0 / (inner_cone_rad.cos() - outer).max(0.001);
-            (scale, -outer * scale)
+            let picture = Vec3::splat(outer_cone_rad.min(GlobeMap::MOST_CONE_RAD).tan());
+            (picture, scale, -outer * scale)
         }
-        _ => (0.0, 0.0),
+        _ => (Vec3::ZERO, 0.0, 0.0),
     };
     LightData {
         position_world: l.position_world.to_array(),
         inverse_range: l.range_m.map_or(0.0, f32::recip),
         intensity: (l.color * l.intensity()).to_array(),
-        spot_scale,
+        edge,
         direction_world: l.direction_world.to_array(),
         spot_offset,
         up_world: l.up_world.to_array(),
-        falloff,
         back_intensity: if l.has_back() { l.back_color * l.intensity() } else { Vec3::ZERO }.to_array(),
         half_size: half_size.to_array(),
+        globe_rotation: l.globe_map.map_or(0.0, |map| map.rotation_rad),
+        globe_map: globe_map.map_or(0, |layer| layer + 1),
         ..LightData::default()
     }
 }

@@ -3,7 +3,7 @@
 use super::convert;
 use super::shared::LightData;
 use crate::plan::ShadowMap;
-use crate::scene::{Light, LightKind};
+use crate::scene::{GlobePicture, Light, LightKind};
 use crate::visible::{Frustum, Reach};
 use crate::{Error, Result};
 
@@ -28,16 +28,25 @@ struct Placed {
     data: LightData,
     /// `None` of a dark light.
     reach: Option<Reach>,
+    maps: Maps,
+}
+
+/// What a light has of the scene's maps.
+#[derive(Clone, Copy, Default)]
+struct Maps {
+    /// Its part of the shadow map, as shaders know it; 0: none.
     shadow_tiles: u32,
+    /// The picture that it shines through, and the first layer of that.
+    globe: Option<(GlobePicture, u32)>,
 }
 
 impl Placed {
-    /// `shadow_tiles` is the light's part of the shadow map, as shaders know it.
-    fn new(light: &Light, shadow_tiles: u32) -> Self {
+    fn new(light: &Light, maps: Maps) -> Self {
         let reach = (!light.is_dark()).then(|| Reach::of(light));
-        let shadow = if light.shadow.is_some() { shadow_tiles } else { 0 };
-        let data = LightData { shadow, ..convert::light(light) };
-        Self { kind: kind_index(&light.kind), data, reach, shadow_tiles }
+        let shadow = if light.shadow.is_some() { maps.shadow_tiles } else { 0 };
+        let shown = light.shown_globe_map().and(maps.globe);
+        let data = LightData { shadow, ..convert::light(light, shown.map(|(_, layer)| layer)) };
+        Self { kind: kind_index(&light.kind), data, reach, maps }
     }
 
     /// Whether it needs shaders that light surfaces from behind.
@@ -58,9 +67,21 @@ fn kind_index(kind: &LightKind) -> usize {
 }
 
 impl Lights {
-    pub(super) fn new(lights: &[Light], shadow_map: Option<&ShadowMap>) -> Self {
-        let reference = |light| shadow_map.map_or(0, |map| map.reference(light));
-        let placed: Vec<_> = lights.iter().zip(0..).map(|(l, i)| Placed::new(l, reference(i))).collect();
+    /// `globe_layers` holds the first layer of each light's globe map, if the scene has any.
+    pub(super) fn new(
+        lights: &[Light],
+        shadow_map: Option<&ShadowMap>,
+        globe_layers: Option<&[Option<u32>]>,
+    ) -> Self {
+        let placed = |(i, light): (usize, &Light)| {
+            let layer = globe_layers.and_then(|layers| layers[i]);
+            let maps = Maps {
+                shadow_tiles: shadow_map.map_or(0, |map| map.reference(i)),
+                globe: light.shown_globe_map().map(|map| map.picture).zip(layer),
+            };
+            Placed::new(light, maps)
+        };
+        let placed: Vec<_> = lights.iter().enumerate().map(placed).collect();
         let mut planned = [false; KINDS];
         placed.iter().filter(|l| l.reach.is_some()).for_each(|l| planned[l.kind] = true);
         let mut order: Vec<_> = (0..placed.len()).filter(|&i| planned[placed[i].kind]).collect();
@@ -88,7 +109,8 @@ impl Lights {
                 format!("use an index below {lights}, the number of the scene's lights"),
             )
         })?;
-        let changed = Placed::new(light, placed.shadow_tiles);
+        let changed = Placed::new(light, placed.maps);
+        let picture = light.shown_globe_map().map(|map| map.picture);
         if !light.is_sound() {
             return Err(Error::unsupported(
                 format!(
@@ -98,7 +120,9 @@ impl Lights {
                 "give finite numbers, and colour and intensity that are not negative",
             ));
         }
-        let known = self.planned[changed.kind] && (self.planned_back || !changed.has_back());
+        let known = self.planned[changed.kind]
+            && (self.planned_back || !changed.has_back())
+            && picture.is_none_or(|picture| placed.maps.globe.is_some_and(|(known, _)| known == picture));
         if changed.kind != placed.kind || (changed.reach.is_some() && !known) {
             return Err(Error::unsupported(
                 format!("light {index} ('{}') changes into one that the plan does not know", light.name),

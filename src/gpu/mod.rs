@@ -27,6 +27,7 @@ mod descriptor;
 mod device;
 mod frame_data;
 mod geometry;
+mod globe_maps;
 mod headless;
 mod image;
 mod info;

@@ -8,6 +8,7 @@ use ash::vk;
 use super::around::AroundData;
 use super::descriptor::{Content, DescriptorSets};
 use super::frame_data::{Everything, FrameData, Written};
+use super::globe_maps::GlobeMaps;
 use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::material_data::Materials;
@@ -35,6 +36,7 @@ pub(super) struct SceneData {
     materials: Option<Materials>,
     geometry: Geometry,
     textures: Textures,
+    globe_maps: Option<GlobeMaps>,
     around: AroundData,
     ambient_nt: glam::Vec3,
 }
@@ -50,7 +52,9 @@ impl SceneData {
         upload: &mut Upload,
     ) -> Result<Self> {
         let objects = Objects::new(scene, plan);
-        let lights = Lights::new(&scene.lights, plan.shadow_map.as_ref());
+        let globes = (plan.needs.globe_maps > 0).then(|| scene.globe_layers()).transpose()?;
+        let globe_layers = globes.as_ref().map(|g| g.first_of_light.as_slice());
+        let lights = Lights::new(&scene.lights, plan.shadow_map.as_ref(), globe_layers);
         let streams = streams(scene, plan, objects.batches());
         let geometry = Geometry::new(device, upload, &scene.meshes, &streams)?;
         let keys = texture_keys(scene, plan, objects.batches());
@@ -67,6 +71,7 @@ impl SceneData {
             materials: Materials::new(device, upload, scene)?,
             geometry,
             textures,
+            globe_maps: globes.map(|layers| GlobeMaps::new(device, upload, &layers)).transpose()?,
             around: AroundData::new(device, upload, scene, plan)?,
             ambient_nt: scene.ambient_nt,
         };
@@ -143,6 +148,7 @@ impl SceneData {
             + self.materials.as_ref().map_or(0, Materials::allocated_bytes)
             + self.geometry.allocated_bytes()
             + self.textures.allocated_bytes()
+            + self.globe_maps.as_ref().map_or(0, GlobeMaps::allocated_bytes)
             + self.around.allocated_bytes()
     }
 
@@ -231,7 +237,10 @@ impl SceneData {
         let Some(sets) = DescriptorSets::new(device, &wanted, "frame")? else { return Ok(()) };
         for (index, (_, bindings)) in wanted.iter().enumerate() {
             for &(binding, ty, ..) in *bindings {
-                if let Some(content) = self.around.content(binding) {
+                let globe_maps = self.globe_maps.as_ref();
+                let globe_maps = globe_maps.filter(|_| binding == const { shared("BINDING_GLOBE_MAPS") });
+                let images = globe_maps.map(GlobeMaps::content);
+                if let Some(content) = images.or_else(|| self.around.content(binding)) {
                     sets.write(index, binding, ty, &content);
                     continue;
                 }

@@ -116,8 +116,8 @@ pub enum Module {
     Light {
         /// Whether the material has any texture.
         textured: bool,
-        /// Whether lights may cast shadows.
-        shadows: bool,
+        /// What it reads of the light.
+        lights: LightInputs,
     },
     /// Keeps nothing of a surface but what its alpha mask leaves.
     Mask {
@@ -169,12 +169,16 @@ pub struct LightInputs {
     pub scan: LightLoop,
     /// Whether they cast shadows.
     pub shadows: bool,
+    /// Whether some shine through globe maps.
+    pub globe_maps: bool,
 }
 
 impl LightInputs {
-    /// Without and with shadows, for each of these.
+    /// Without and with each kind of map, for each of these.
     fn of(loops: &[LightLoop]) -> impl Iterator<Item = Self> {
-        loops.iter().flat_map(|&scan| [false, true].map(|shadows| Self { scan, shadows }))
+        let maps = [(false, false), (true, false), (false, true), (true, true)];
+        let of = move |&scan| maps.map(|(shadows, globe_maps)| Self { scan, shadows, globe_maps });
+        loops.iter().flat_map(of)
     }
 
     /// Its part of a module's name.
@@ -184,15 +188,17 @@ impl LightInputs {
             LightLoop::Cluster => "_clusters",
             LightLoop::One => "_one",
         };
-        format!("{scan}{}", if self.shadows { "_shadows" } else { "" })
+        let suffix = |has: bool, text: &'static str| if has { text } else { "" };
+        format!("{scan}{}{}", suffix(self.shadows, "_shadows"), suffix(self.globe_maps, "_globes"))
     }
 
     /// Macros, and whether they are defined.
-    fn defines(self) -> [(bool, &'static str); 3] {
+    fn defines(self) -> [(bool, &'static str); 4] {
         [
             (self.scan == LightLoop::Cluster, "CLUSTERS"),
             (self.scan == LightLoop::One, "ONE_LIGHT"),
             (self.shadows, "SHADOWS"),
+            (self.globe_maps, "GLOBE_MAPS"),
         ]
     }
 }
@@ -237,7 +243,7 @@ impl Module {
         }
         for textured in [false, true] {
             all.extend(AROUND.map(|around| Self::Base { textured, around }));
-            all.extend([false, true].map(|shadows| Self::Light { textured, shadows }));
+            all.extend(LightInputs::of(&[LightLoop::One]).map(|lights| Self::Light { textured, lights }));
             all.push(Self::Mask { textured });
         }
         all.extend([false, true].map(|fog| Self::Tonemap { fog }));
@@ -274,8 +280,8 @@ impl Module {
             Self::Base { textured, around } => {
                 format!("base{}{}.frag", suffix(textured, "_textured"), around_suffix(around))
             }
-            Self::Light { textured, shadows } => {
-                format!("light{}{}.frag", suffix(textured, "_textured"), suffix(shadows, "_shadows"))
+            Self::Light { textured, lights } => {
+                format!("light{}{}.frag", suffix(textured, "_textured"), lights.suffix())
             }
             Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
             Self::Forward { textured, lights, around } => {
@@ -353,26 +359,24 @@ impl Module {
                 (around >= Around::Environment, "ENVIRONMENT"),
             ]),
             Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Light { textured, shadows } => chosen(&[(textured, "TEXTURED"), (shadows, "SHADOWS")]),
+            Self::Light { textured, lights } => {
+                chosen(&[&[(textured, "TEXTURED")][..], &lights.defines()].concat())
+            }
             Self::Base { textured, around } => chosen(&[
                 (textured, "TEXTURED"),
                 (around >= Around::Ambient, "AMBIENT"),
                 (around >= Around::Environment, "ENVIRONMENT"),
             ]),
             Self::Forward { textured, lights, around } => {
-                let [clusters, one, shadows] = lights.defines();
-                chosen(&[
+                let surface = [
                     (textured, "TEXTURED"),
-                    clusters,
-                    one,
-                    shadows,
                     (around >= Around::Ambient, "AMBIENT"),
                     (around >= Around::Environment, "ENVIRONMENT"),
-                ])
+                ];
+                chosen(&[&surface[..], &lights.defines()].concat())
             }
             Self::Lighting { layout, lights } => {
-                let [clusters, one, shadows] = lights.defines();
-                chosen(&[(true, layout_define(layout)), clusters, one, shadows])
+                chosen(&[&[(true, layout_define(layout))][..], &lights.defines()].concat())
             }
             Self::ShadowVertex { masked, texcoord, color } => {
                 chosen(&[(masked, "MASKED"), (texcoord, "HAS_TEXCOORD"), (color, "HAS_COLOR")])

@@ -88,24 +88,25 @@ pub struct LightData {
     pub inverse_range: f32,
     /// Colour times candela, or times lux for directional and box lights.
     pub intensity: [f32; 3],
-    /// `1 / max(0.001, cos(inner) - cos(outer))` of the cone's half angles (KHR_lights_punctual).
-    pub spot_scale: f32,
+    /// Of a spot `1 / max(0.001, cos(inner) - cos(outer))` of the cone's half angles (KHR_lights_punctual); of a box the
+    /// width of the falloff within each face, metres.
+    pub edge: f32,
     /// The way the light travels, unit length; unused by point lights.
     pub direction_world: [f32; 3],
-    /// `-cos(outer) * spot_scale`.
+    /// `-cos(outer) * edge`.
     pub spot_offset: f32,
-    /// The light's +Y, unit length; used by boxes.
+    /// The light's +Y, unit length; used by boxes and globe maps.
     pub up_world: [f32; 3],
-    /// Within each face of a box, metres.
-    pub falloff: f32,
+    /// Of the globe map, radians.
+    pub globe_rotation: f32,
     /// Colour times lux on surfaces that face away from directional and box lights.
     pub back_intensity: [f32; 3],
     /// The light's first [`ShadowViewData`] + 1 and, 16 bits up, how many it has; 0: no shadow.
     pub shadow: u32,
-    /// Half the extent of a box, metres.
+    /// Half the extent of a box, metres; of a spot that of its globe map at a distance of 1 m.
     pub half_size: [f32; 3],
-    /// Unused.
-    pub padding: u32,
+    /// The first layer of the light's globe map + 1; 0: none.
+    pub globe_map: u32,
 }
 
 /// A tile of the shadow map: `ShadowView` in `glsl/light/shadow.glsl`, std430.

@@ -178,6 +178,8 @@ pub struct Needs {
     pub back_colors: usize,
     /// Lights that are not dark and have a place, but no end: each reaches every pixel.
     pub endless_lights: usize,
+    /// Point, spot and box lights that shine through a globe map.
+    pub globe_maps: usize,
     /// How many lights that have a place may be lit: dark ones too, if one of their kind is not dark, since a host may
     /// light them up.
     pub most_local_lights: usize,
@@ -256,6 +258,7 @@ impl Needs {
                 .filter(|l| l.has_back() && !matches!(l.kind, LightKind::Hemisphere { .. }))
                 .count(),
             endless_lights: lights().filter(|l| is_local(l) && Reach::of(l) == Reach::Everywhere).count(),
+            globe_maps: lights().filter(|l| l.shown_globe_map().is_some()).count(),
             most_local_lights: most_local_lights(scene),
             environment: EnvironmentNeed::of(scene).filter(|_| lit.is_some()),
             shadows,

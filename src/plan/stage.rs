@@ -136,6 +136,7 @@ impl Frame {
                 (*box_lights, "box"),
                 (needs.hemisphere_lights, "hemisphere (all at the cost of one)"),
                 (needs.back_colors, "with a back colour"),
+                (needs.globe_maps, "with a globe map"),
             ];
             let more = more.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!(", {n} {what}"));
             format!(

@@ -5,7 +5,8 @@ use glam::{DMat3, DVec2, DVec3};
 use super::texture::{Encoding, bilinear};
 use crate::scene::{GlobeMap, GlobePicture, Image, Light, LightKind};
 
-/// In front of a spot its map is projected from at least this distance, metres; what is nearer or behind is dark.
+/// Maps are projected from at least this distance, metres: in front of a spot (what is nearer or behind is dark), and
+/// around a point light.
 const MIN_AHEAD_M: f64 = 1e-4;
 
 /// The colour that a light has left at a point, behind its globe map; white without one.
@@ -47,13 +48,13 @@ pub fn cube_face(d: DVec3) -> (usize, DVec2) {
     let a = d.abs();
     if a.x >= a.y && a.x >= a.z {
         let sign = if d.x < 0.0 { -1.0 } else { 1.0 };
-        (usize::from(d.x < 0.0), DVec2::new(sign * d.z, d.y) / a.x)
+        (usize::from(d.x < 0.0), DVec2::new(sign * d.z, d.y) / a.x.max(MIN_AHEAD_M))
     } else if a.y >= a.z {
         let sign = if d.y < 0.0 { -1.0 } else { 1.0 };
-        (2 + usize::from(d.y < 0.0), DVec2::new(d.x, sign * d.z) / a.y)
+        (2 + usize::from(d.y < 0.0), DVec2::new(d.x, sign * d.z) / a.y.max(MIN_AHEAD_M))
     } else {
         let sign = if d.z < 0.0 { -1.0 } else { 1.0 };
-        (4 + usize::from(d.z < 0.0), DVec2::new(-sign * d.x, d.y) / a.z)
+        (4 + usize::from(d.z < 0.0), DVec2::new(-sign * d.x, d.y) / a.z.max(MIN_AHEAD_M))
     }
 }
 

@@ -16,10 +16,17 @@ const MOST_SIDE: u32 = 1024;
 pub struct GlobeLayers {
     /// Width and height of every layer, texels.
     pub side: u32,
-    /// `side * side * 4` bytes each, sRGB: flat pictures one, cubes six in a row.
-    pub layers: Vec<Vec<u8>>,
+    /// `side * side * 4` bytes a layer, sRGB, one after another: of flat pictures one, of cubes six.
+    pub texels: Vec<u8>,
     /// By light: the index of its first layer, if it shines through any.
     pub first_of_light: Vec<Option<u32>>,
+}
+
+impl GlobeLayers {
+    /// How many layers there are.
+    pub fn count(&self) -> u32 {
+        (self.texels.len() / (self.side as usize * self.side as usize * 4)) as u32
+    }
 }
 
 impl Scene {
@@ -56,8 +63,8 @@ impl Scene {
         }
         let longest = pictures.iter().map(|i| i.width.max(i.height)).max().unwrap_or(1);
         let side = longest.min(MOST_SIDE);
-        let layers = pictures.par_iter().map(|image| resized(image, side)).collect();
-        Ok(GlobeLayers { side, layers, first_of_light })
+        let layers: Vec<_> = pictures.par_iter().map(|image| resized(image, side)).collect();
+        Ok(GlobeLayers { side, texels: layers.concat(), first_of_light })
     }
 
     fn globe_picture(&self, index: usize, light: &str) -> Result<&Image> {
@@ -155,10 +162,10 @@ mod tests {
         let scene = Scene { images, lights, ..Scene::default() };
         let layers = scene.globe_layers().unwrap();
         assert_eq!(layers.first_of_light, [Some(0), None, Some(1), Some(7), None, Some(0), Some(1)]);
-        assert_eq!((layers.side, layers.layers.len()), (8, 8));
-        let grays: Vec<_> = layers.layers.iter().map(|l| l[0]).collect();
+        assert_eq!((layers.side, layers.count()), (8, 8));
+        let grays: Vec<_> = layers.texels.chunks(256).map(|l| l[0]).collect();
         assert_eq!(grays, [200, 10, 10, 200, 200, 10, 200, 10]);
-        assert!(layers.layers.iter().all(|l| l.len() == 256 && l.chunks(4).all(|t| t[0] == l[0])));
+        assert!(layers.texels.chunks(256).all(|l| l.chunks(4).all(|t| t[0] == l[0])));
         let none = Scene { lights: vec![spot(2)], ..scene }.globe_layers().unwrap_err();
         assert!(none.to_string().contains("image 2, but the scene has 2"), "{none}");
     }

@@ -3,8 +3,8 @@
 use ontile::environment::{Panorama, Prefiltered, TexelFormat, direction_from_uv};
 use ontile::glam::{Mat4, Vec2, Vec3, Vec4, camera::rh::view::look_at_mat4};
 use ontile::scene::{
-    AlphaMode, Background, Camera, Environment, Fog, FogHeight, Image, Instance, Light, LightKind, Material,
-    Mesh, Projection, Sampler, Scene, Texture, TextureRef,
+    AlphaMode, Background, Camera, Environment, Fog, FogHeight, GlobeMap, GlobePicture, Image, Instance,
+    Light, LightKind, Material, Mesh, Projection, Sampler, Scene, Texture, TextureRef,
 };
 use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
@@ -74,6 +74,7 @@ pub fn built() -> Vec<Scene> {
         lights_only(),
         extents(),
         hemisphere_only(),
+        globes(),
         lit_textures(),
         emissive(),
         no_lights(),
@@ -197,6 +198,19 @@ pub fn hemisphere_only() -> Scene {
         ..Light::new(LightKind::Hemisphere { illuminance_lx: 2.0 })
     };
     scene.lights = vec![sky.towards(Vec3::new(0.3, -1.0, 0.0))];
+    scene
+}
+
+/// [`extents`], where most lights shine through globe maps: pictures of two sizes, one used twice.
+pub fn globes() -> Scene {
+    let mut scene = Scene { name: "globes".into(), ..extents() };
+    let small = Image { width: 16, rgba8: bumps().rgba8[..16 * 32 * 4].to_vec(), ..bumps() };
+    scene.images = vec![tiles(), small];
+    let flat = |image| GlobePicture::Flat { image };
+    let map = |picture, rotation_rad| Some(GlobeMap { picture, rotation_rad });
+    scene.lights[1].globe_map = map(GlobePicture::Cube { images: [0, 1, 0, 1, 1, 0] }, 0.3);
+    scene.lights[2].globe_map = map(flat(0), 0.5);
+    scene.lights[3].globe_map = map(flat(0), -0.2);
     scene
 }
 

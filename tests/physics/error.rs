@@ -48,6 +48,11 @@ impl Errors {
 
     /// Whether the promise is kept, on enough pixels to mean something.
     pub fn check(&self) -> Result<(), String> {
+        self.check_within(MAX_RELATIVE_ERROR)
+    }
+
+    /// [`Self::check`] with another bound than [`MAX_RELATIVE_ERROR`].
+    pub fn check_within(&self, bound: f64) -> Result<(), String> {
         /// Edges are lines: most of what is covered must be compared.
         const LEAST_PART: f64 = 0.6;
         let compared = self.sorted.len() as f64;
@@ -56,7 +61,7 @@ impl Errors {
         }
         let error = self.quantile(PROMISED_PART);
         // Not `error > bound`: NaN fails.
-        if error <= MAX_RELATIVE_ERROR { Ok(()) } else { Err(self.to_string()) }
+        if error <= bound { Ok(()) } else { Err(self.to_string()) }
     }
 }
 

@@ -3,9 +3,9 @@
 use ontile::glam::{Vec3, Vec3Swizzles};
 use ontile::plan::{Layout, Path, Tonemap};
 use ontile::reference::{Settings, render};
-use ontile::scene::{Camera, LightKind, Scene};
+use ontile::scene::{Camera, GlobeMap, GlobePicture, LightKind, Scene};
 
-use crate::error::Errors;
+use crate::error::{Errors, MAX_RELATIVE_ERROR};
 use crate::gpu::{Ask, Gpu, Rendered};
 use crate::{light_scenes, scenes};
 
@@ -35,6 +35,21 @@ fn linear_light_is_the_references() {
     }
     gpu.finish();
     assert!(failed.is_empty(), "{failed:#?}");
+}
+
+#[test]
+fn globe_maps_are_the_references() {
+    let Some(gpu) = Gpu::open() else { return };
+    let scene = light_scenes::globes();
+    for camera in &scene.cameras {
+        for path in [Path::Deferred, Path::Forward] {
+            let rendered = gpu.render(&scene, camera, Ask { path, ..Ask::EXACT });
+            let errors = compare(&rendered, &scene, camera, &rendered.settings);
+            println!("{}, {path}: {errors}", camera.name);
+            assert_eq!(errors.check_within(light_scenes::DECODED), Ok(()), "{}, {path}", camera.name);
+        }
+    }
+    gpu.finish();
 }
 
 #[test]
@@ -140,29 +155,69 @@ const EXTENT_FAULTS: &[Fault] = &[
     }),
 ];
 
+fn each_map(scene: &mut Scene, change: impl Fn(&mut GlobeMap)) {
+    scene.lights.iter_mut().filter_map(|l| l.globe_map.as_mut()).for_each(change);
+}
+
+const GLOBE_FAULTS: &[Fault] = &[
+    ("no globe maps", |scene, _| scene.lights.iter_mut().for_each(|l| l.globe_map = None)),
+    ("turned the other way", |scene, _| each_map(scene, |map| map.rotation_rad *= -1.0)),
+    ("turned by 3 degrees more", |scene, _| each_map(scene, |map| map.rotation_rad += 0.052)),
+    ("pictures mirrored", |scene, _| {
+        for image in &mut scene.images {
+            let row = image.width as usize * 4;
+            image.rgba8.chunks_mut(row).for_each(|row| row.as_chunks_mut::<4>().0.reverse());
+        }
+    }),
+    ("pictures upside down", |scene, _| {
+        for image in &mut scene.images {
+            image.rgba8.as_chunks_mut::<4>().0.reverse();
+        }
+    }),
+    ("sides of the cube swapped", |scene, _| {
+        each_map(scene, |map| {
+            if let GlobePicture::Cube { images } = &mut map.picture {
+                images.swap(2, 3);
+                images.swap(4, 5);
+            }
+        });
+    }),
+    ("colours taken as linear", |scene, _| {
+        for image in &mut scene.images {
+            image.rgba8.iter_mut().for_each(|b| *b = (255.0 * (f32::from(*b) / 255.0).powf(1.0 / 2.2)) as u8);
+        }
+    }),
+    ("the light behind comes through the map", |scene, _| scene.lights[2].back_color = Vec3::splat(0.05)),
+];
+
+#[test]
+fn every_fault_of_globe_maps_is_caught() {
+    catches(&light_scenes::globes(), light_scenes::DECODED, GLOBE_FAULTS);
+}
+
 #[test]
 fn every_fault_is_caught() {
-    catches(&scenes::lights(), FAULTS);
+    catches(&scenes::lights(), MAX_RELATIVE_ERROR, FAULTS);
 }
 
 #[test]
 fn every_fault_of_extents_is_caught() {
-    catches(&light_scenes::extents(), EXTENT_FAULTS);
+    catches(&light_scenes::extents(), MAX_RELATIVE_ERROR, EXTENT_FAULTS);
 }
 
-fn catches(scene: &Scene, faults: &[Fault]) {
+fn catches(scene: &Scene, bound: f64, faults: &[Fault]) {
     let Some(gpu) = Gpu::open() else { return };
     let camera = &scene.cameras[0];
     let rendered = gpu.render(scene, camera, Ask::EXACT);
-    assert_eq!(compare(&rendered, scene, camera, &rendered.settings).check(), Ok(()));
+    assert_eq!(compare(&rendered, scene, camera, &rendered.settings).check_within(bound), Ok(()));
     for (name, fault) in faults {
         let (mut faulty, mut settings) = (scene.clone(), rendered.settings.clone());
         fault(&mut faulty, &mut settings);
         let errors = compare(&rendered, &faulty, camera, &settings);
         println!("{name}: {errors}");
-        assert!(errors.check().is_err(), "{name}: not caught, {errors}");
+        assert!(errors.check_within(bound).is_err(), "{name}: not caught, {errors}");
     }
     let other = compare(&rendered, scene, &scene.cameras[1], &rendered.settings);
-    assert!(other.check().is_err(), "another camera: not caught, {other}");
+    assert!(other.check_within(bound).is_err(), "another camera: not caught, {other}");
     gpu.finish();
 }

@@ -6,7 +6,7 @@ use ontile::reference::render;
 use ontile::scene::{Camera, Projection};
 
 use crate::gpu::{Ask, Gpu};
-use crate::scenes;
+use crate::{light_scenes, scenes};
 
 /// The first pixel that no display could show, if there is one.
 fn first_bad(light: &[DVec3]) -> Option<(usize, DVec3)> {
@@ -16,7 +16,7 @@ fn first_bad(light: &[DVec3]) -> Option<(usize, DVec3)> {
 #[test]
 fn every_picture_is_finite_and_not_negative() {
     let Some(gpu) = Gpu::open() else { return };
-    for scene in scenes::all() {
+    for scene in scenes::all().into_iter().chain([light_scenes::globes()]) {
         for camera in &scene.cameras {
             for &tonemap in Tonemap::ALL {
                 for exposure_ev in [-20.0, 0.0, 20.0] {

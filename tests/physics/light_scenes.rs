@@ -3,7 +3,7 @@
 use std::f32::consts::FRAC_PI_2;
 
 use ontile::glam::{Mat4, Quat, Vec3};
-use ontile::scene::{Light, LightKind, Scene};
+use ontile::scene::{GlobeMap, GlobePicture, Image, Light, LightKind, Scene};
 
 use crate::scenes::{Builder, big_floor, cameras, floor, light, material, on_floor, sphere, wall};
 
@@ -58,6 +58,62 @@ pub fn extents() -> Scene {
         rolled(sharp, 0.2),
     ];
     stage("extents", lights)
+}
+
+/// How far light that comes through [`globes`]' maps may be off, relatively: samplers may decode sRGB half a code wrongly
+/// (as Direct3D's and so most hardware's rules have it), which is most at the darkest code.
+pub const DECODED: f64 = 2.4 * 0.5 / DARKEST as f64;
+const DARKEST: u32 = 150;
+
+/// A picture whose colours change slowly, so that a sampler's few bits of weight do not matter, each side its own.
+fn ramp(side: usize) -> Image {
+    const SIDE: u32 = 64;
+    let texel = |i: u32| {
+        let at = |n: u32| (DARKEST + 105 * n / (SIDE - 1)) as u8;
+        let mut color = [at(i % SIDE), at(i / SIDE), 255 - 20 * side as u8];
+        color.rotate_left(side % 3);
+        [color[0], color[1], color[2], 255]
+    };
+    let rgba8 = (0..SIDE * SIDE).flat_map(texel).collect();
+    Image { name: format!("ramp {side}"), width: SIDE, height: SIDE, rgba8 }
+}
+
+/// Lights of all kinds that shine through globe maps, turned; two narrow, one as wide as spots can be.
+pub fn globes() -> Scene {
+    let flat = |image, rotation_rad| Some(GlobeMap { picture: GlobePicture::Flat { image }, rotation_rad });
+    let cube = GlobePicture::Cube { images: [0, 1, 2, 3, 4, 5] };
+    let spot =
+        |intensity_cd, outer_cone_rad| LightKind::Spot { intensity_cd, inner_cone_rad: 0.0, outer_cone_rad };
+    let slide =
+        light(spot(40.0, 0.4), Vec3::ONE, Vec3::new(-2.0, 3.0, 3.0), Vec3::new(-0.8, 0.6, -1.0), None);
+    let wide = light(
+        spot(2.0, FRAC_PI_2),
+        Vec3::ONE,
+        Vec3::new(2.5, 1.5, 1.0),
+        Vec3::new(1.0, 0.5, -1.0),
+        Some(6.0),
+    );
+    let window = light(
+        boxed(1.0, Vec3::new(2.5, 1.5, 6.0), 0.2),
+        Vec3::ONE,
+        Vec3::new(1.0, 1.5, 0.0),
+        Vec3::new(0.5, 0.0, -0.6),
+        None,
+    );
+    let lantern = LightKind::Point { intensity_cd: 2.0 };
+    let lantern = light(lantern, Vec3::ONE, Vec3::new(0.2, 1.9, 0.6), Vec3::new(0.0, 1.0, -2.0), None);
+    let lights = vec![
+        Light { globe_map: flat(0, 0.4), ..rolled(slide, 0.3) },
+        Light { globe_map: flat(1, 0.0), ..wide },
+        Light { globe_map: flat(2, -0.7), back_color: Vec3::splat(0.1), ..rolled(window, 0.8) },
+        Light {
+            globe_map: Some(GlobeMap { picture: cube, rotation_rad: 1.1 }),
+            ..rolled(lantern.clone(), -0.4)
+        },
+        // The wrong sort of picture is none.
+        Light { globe_map: flat(3, 0.0), color: Vec3::splat(0.1), ..lantern },
+    ];
+    Scene { images: (0..6).map(ramp).collect(), ..stage("globes", lights) }
 }
 
 /// Lights at the ends of what their numbers may be, most of them dark; a dim sun shows the surfaces.

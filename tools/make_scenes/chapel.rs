@@ -109,24 +109,30 @@ fn rose(uv: Vec2) -> Vec3 {
     let (radius, turns) = (p.length(), p.y.atan2(p.x) / std::f32::consts::TAU + 0.5);
     let petal = ((turns * 12.0).fract() - 0.5).abs() * 2.0;
     let outer = smoothstep(0.0, 0.06, 0.95 - radius) * smoothstep(0.0, 0.06, radius - 0.42);
-    let open = outer * smoothstep(0.0, 0.25, 0.78 - petal + 0.3 * (radius - 0.7));
-    let color = if ((turns * 12.0) as u32).is_multiple_of(2) { srgb(0xffd9a0) } else { srgb(0xff8fb0) };
-    let eye =
-        smoothstep(0.0, 0.05, 0.28 - radius) * smoothstep(0.0, 0.08, (petal - 0.3).abs() + radius * 0.4);
+    // Round at the outer end.
+    let round = Vec2::new(petal * radius * 0.26, (radius - 0.74).max(0.0)).length();
+    let open = outer * smoothstep(0.0, 0.03, 0.2 * radius - round);
+    let color = if (turns * 12.0) as u32 % 2 == 0 { srgb(0xffd9a0) } else { srgb(0xff8fb0) };
+    let eye = smoothstep(0.0, 0.04, 0.28 - radius) * smoothstep(0.0, 0.04, (radius - 0.14).abs() - 0.02);
     color * open + srgb(0x90c8ff) * eye
 }
 
 /// One side of the lantern: stars punched through its wall; the other sides are turned copies.
 fn stars(uv: Vec2, side: usize) -> Vec3 {
     let mut light = 0.02_f32;
-    for i in 0..7 {
-        let at = |k: usize| 0.14 + 0.72 * pick(i * 2 + k, 11 + side as u32);
-        let d = uv - Vec2::new(at(0), at(1));
-        let turns = d.y.atan2(d.x) / std::f32::consts::TAU + pick(i, 5);
-        let spike = ((turns * 5.0).fract() - 0.5).abs() * 2.0;
-        let size = 0.035 + 0.05 * pick(i, 23 + side as u32);
-        let edge = size * (0.42 + 0.58 * spike * spike);
-        light = light.max(smoothstep(0.012, -0.012, d.length() - edge));
+    // One in each of three by three fields.
+    for field in 0..9 {
+        let random = |n: usize| pick(field * 4 + n, 11 + side as u32);
+        let corner = Vec2::new((field % 3) as f32, (field / 3) as f32);
+        let d = uv - (corner + 0.3 + 0.4 * Vec2::new(random(0), random(1))) / 3.0;
+        let turns = d.y.atan2(d.x) / std::f32::consts::TAU + random(2);
+        // Between a tip and the next notch the edge is straight.
+        let angle = ((turns * 5.0).rem_euclid(1.0) - 0.5).abs() * std::f32::consts::TAU / 5.0;
+        let size = 0.035 + 0.045 * random(3);
+        let (tip, notch) = (circle(0.1) * size, Vec2::X * size * 0.42);
+        let normal = (tip - notch).perp().normalize();
+        let at = Vec2::from_angle(angle) * d.length();
+        light = light.max(smoothstep(0.006, -0.006, -normal.dot(at - notch)));
     }
     srgb(0xffe6b8) * light
 }
@@ -163,7 +169,7 @@ fn window(glb: &mut Glb) {
     let down = aim.normalize();
     let up = (Vec3::Y - down * down.y).normalize();
     // The window as the light sees it is less high than it is.
-    let size = [WINDOW_M.x, WINDOW_M.y * up.y, 7.5];
+    let size = [WINDOW_M.x, WINDOW_M.y * up.y, 12.0];
     let moon = Light {
         name: "moonlight",
         color: Vec3::new(0.85, 0.92, 1.0),
@@ -183,7 +189,7 @@ fn window(glb: &mut Glb) {
 
 fn lantern(glb: &mut Glb) {
     let sides: Vec<_> = (0..6)
-        .map(|i| glb.texture(&format!("stars {i}"), &picture(64, move |uv| stars(uv, i))).texture)
+        .map(|i| glb.texture(&format!("stars {i}"), &picture(128, move |uv| stars(uv, i))).texture)
         .collect();
     let iron =
         Material { base_color: linear(0x57524c), metallic: 1.0, roughness: 0.5, ..Material::default() };
@@ -266,7 +272,7 @@ fn lights(glb: &mut Glb) {
     let night = Light {
         name: "night",
         color: Vec3::new(0.35, 0.45, 0.8),
-        kind: LightKind::Directional { illuminance_lx: 0.3 },
+        kind: LightKind::Directional { illuminance_lx: 0.5 },
     };
     let node = glb.light(night, Pose::looking(Vec3::Y * 4.0, Vec3::ZERO));
     glb.extras(node, json!({"ground_color": [0.3, 0.2, 0.12]}));

@@ -35,13 +35,14 @@ const LIGHTS: u32 = shared("BINDING_LIGHTS");
 const CLUSTERS: u32 = shared("BINDING_CLUSTERS");
 const SHADOW_VIEWS: u32 = shared("BINDING_SHADOW_VIEWS");
 const SHADOW_MAP: u32 = shared("BINDING_SHADOW_MAP");
+const GLOBE_MAPS: u32 = shared("BINDING_GLOBE_MAPS");
 const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
 const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 10] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 11] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -51,6 +52,7 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 10] = {
         (CLUSTERS, T::STORAGE_BUFFER, S::FRAGMENT),
         (SHADOW_VIEWS, T::STORAGE_BUFFER, S::FRAGMENT),
         (SHADOW_MAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (GLOBE_MAPS, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
@@ -62,18 +64,22 @@ impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
         // What shading reads of the lights.
-        let lighting = [LIGHTS].into_iter().chain(plan.clusters.map(|_| CLUSTERS));
-        let shadows = plan.shadow_map.iter().flat_map(|_| [SHADOW_VIEWS, SHADOW_MAP]);
+        let of_lighting = [
+            (true, LIGHTS),
+            (plan.clusters.is_some(), CLUSTERS),
+            (plan.shadow_map.is_some(), SHADOW_VIEWS),
+            (plan.shadow_map.is_some(), SHADOW_MAP),
+            (plan.needs.globe_maps > 0, GLOBE_MAPS),
+        ];
+        let lighting = of_lighting.into_iter().filter_map(|(is_read, binding)| is_read.then_some(binding));
         let of_lights: Vec<u32> = match pipeline {
             Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
-            Pipeline::LightVolume(_) => lighting.chain(shadows).chain([VOLUMES]).collect(),
+            Pipeline::LightVolume(_) => lighting.chain([VOLUMES]).collect(),
             Pipeline::Depth(_) | Pipeline::Tonemap => Vec::new(),
             Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() || plan.has_light_target() => {
                 Vec::new()
             }
-            Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting => {
-                lighting.chain(shadows).collect()
-            }
+            Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting => lighting.collect(),
         };
         let around: &[u32] = match pipeline {
             Pipeline::Surface(kind) => match kind.around {

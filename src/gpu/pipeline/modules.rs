@@ -27,9 +27,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
         fold: plan.folded.then_some(output),
     };
-    let shadows = plan.shadow_map.is_some();
-    let scan = if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All };
-    let lights = LightInputs { scan, shadows };
+    let lights = LightInputs {
+        scan: if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All },
+        shadows: plan.shadow_map.is_some(),
+        globe_maps: plan.needs.globe_maps > 0,
+    };
+    let one_light = LightInputs { scan: LightLoop::One, ..lights };
     let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
     let (vertex, fragment, constants) = match pipeline {
         Pipeline::Depth(kind) => {
@@ -68,15 +71,20 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 .specialization()
                 .and(lighting.specialization())
                 .and(output.specialization());
-            (vertex_module(kind), Module::Light { textured: kind.textures != 0, shadows }, constants)
+            (
+                vertex_module(kind),
+                Module::Light { textured: kind.textures != 0, lights: one_light },
+                constants,
+            )
         }
         Pipeline::Lighting => {
             let lighting = if one_by_one { lighting.only_global() } else { lighting };
-            (Module::Fullscreen, Module::Lighting { layout, lights }, lighting.specialization())
+            let module = Module::Lighting { layout, lights };
+            (Module::Fullscreen, module, lighting.specialization())
         }
         Pipeline::LightMask(shape) => return (Module::LightVolume, None, shape_constant(*shape)),
         Pipeline::LightVolume(shape) => {
-            let module = Module::Lighting { layout, lights: LightInputs { scan: LightLoop::One, shadows } };
+            let module = Module::Lighting { layout, lights: one_light };
             let constants = lighting.only_local().specialization().and(shape_constant(*shape));
             (Module::LightVolume, module, constants)
         }

@@ -113,10 +113,6 @@ fn load(doc: &Document) -> Result<Scene> {
             .warnings
             .push("scene: its lightmap is not drawn yet, and neither is the light baked into it".into());
     }
-    if let Some(light) = scene.lights.iter().find(|l| l.globe_map.is_some()) {
-        let name = &light.name;
-        scene.warnings.push(format!("light '{name}': globe maps are not drawn yet; it shines without"));
-    }
     let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
     let is_lit_by_nothing =
         scene.lights.is_empty() && scene.environment.is_none() && scene.lightmap.is_none();
