@@ -2,22 +2,17 @@
 // draws surfaces with their materials; wants pixel.glsl, brdf.glsl and Surface.
 
 #include "material.glsl"
-#ifdef AMBIENT
 #include "light/ambient.glsl"
-#endif
-#ifdef ENVIRONMENT
 #include "light/environment.glsl"
-#endif
 
 layout(constant_id = ID_DOUBLE_SIDED) const bool DOUBLE_SIDED = false;
 layout(constant_id = ID_UNLIT) const bool UNLIT = false;
 layout(constant_id = ID_EMISSIVE) const bool EMISSIVE = false;
+layout(constant_id = ID_AMBIENT) const bool AMBIENT = false;
+layout(constant_id = ID_ENVIRONMENT) const bool ENVIRONMENT = false; // besides AMBIENT
 
 layout(location = VARYING_NORMAL) in vec3 varying_normal_world;
-
-#ifdef TEXTURED
 layout(location = VARYING_TANGENT) in vec4 varying_tangent_world;
-#endif
 
 struct Fragment {
     Surface surface;
@@ -29,14 +24,12 @@ struct Fragment {
 // double-sided material's back faces turn the whole frame round.
 vec3 surface_normal_world(vec3 normal_sample) {
     vec3 normal_world = varying_normal_world;
-#ifdef TEXTURED
     if (SLOT_NORMAL >= 0) {
         vec3 bitangent_world = cross(varying_normal_world, varying_tangent_world.xyz) * varying_tangent_world.w;
         vec3 normal_tangent = (normal_sample * 2.0 - 1.0) * vec3(vec2(material.normal_scale), 1.0);
         normal_world = varying_tangent_world.xyz * normal_tangent.x + bitangent_world * normal_tangent.y
             + varying_normal_world * normal_tangent.z;
     }
-#endif
     return unit(DOUBLE_SIDED && !gl_FrontFacing ? -normal_world : normal_world);
 }
 
@@ -45,11 +38,7 @@ Fragment surface_at_fragment() {
     vec4 base_color = material_base_color();
     vec2 roughness_metallic = MATERIAL_SAMPLE(METALLIC_ROUGHNESS, vec4(1.0)).gb;
     vec3 normal_sample = MATERIAL_SAMPLE(NORMAL, vec4(0.5, 0.5, 1.0, 1.0)).rgb;
-#ifdef AMBIENT
-    float occlusion_sample = MATERIAL_SAMPLE(OCCLUSION, vec4(1.0)).r;
-#else
-    const float occlusion_sample = 1.0;
-#endif
+    float occlusion_sample = AMBIENT ? MATERIAL_SAMPLE(OCCLUSION, vec4(1.0)).r : 1.0;
     vec3 emissive_sample = EMISSIVE ? MATERIAL_SAMPLE(EMISSIVE, vec4(1.0)).rgb : vec3(0.0);
     if (material_is_cut(base_color.a)) {
         discard;
@@ -78,17 +67,17 @@ vec3 indirect_light(Fragment fragment) {
     if (EMISSIVE) {
         light += fragment.emission;
     }
-#ifdef AMBIENT
-    vec3 v = view_direction_world();
-    float n_dot_v = clamp(dot(surface.normal_world, v), MIN_N_DOT_V, 1.0);
-    vec3 diffuse_nt = frame.ambient_nt.rgb;
-    vec3 specular_nt = frame.ambient_nt.rgb;
-#ifdef ENVIRONMENT
-    diffuse_nt += environment_irradiance_nt(surface.normal_world);
-    vec3 towards = dominant_direction(surface.normal_world, v, surface.roughness);
-    specular_nt += environment_radiance_nt(towards, surface.roughness);
-#endif
-    light += light_around(surface, n_dot_v, diffuse_nt, specular_nt, fragment.occlusion);
-#endif
+    if (AMBIENT) {
+        vec3 v = view_direction_world();
+        float n_dot_v = clamp(dot(surface.normal_world, v), MIN_N_DOT_V, 1.0);
+        vec3 diffuse_nt = frame.ambient_nt.rgb;
+        vec3 specular_nt = frame.ambient_nt.rgb;
+        if (ENVIRONMENT) {
+            diffuse_nt += environment_irradiance_nt(surface.normal_world);
+            vec3 towards = dominant_direction(surface.normal_world, v, surface.roughness);
+            specular_nt += environment_radiance_nt(towards, surface.roughness);
+        }
+        light += light_around(surface, n_dot_v, diffuse_nt, specular_nt, fragment.occlusion);
+    }
     return light;
 }

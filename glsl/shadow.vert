@@ -18,17 +18,15 @@ layout(push_constant, std430) uniform ShadowPush {
     float nearest_depth; // what is nearer to the light is drawn at this depth
 } push;
 
+layout(constant_id = ID_HAS_TEXCOORD) const bool HAS_TEXCOORD = false;
+layout(constant_id = ID_HAS_COLOR) const bool HAS_COLOR = false;
+
 layout(location = ATTRIBUTE_POSITION) in vec3 attribute_position;
-#ifdef HAS_TEXCOORD
 layout(location = ATTRIBUTE_TEXCOORD) in vec4 attribute_texcoord;
-layout(location = VARYING_TEXCOORD) out vec4 varying_texcoord;
-#endif
-#ifdef HAS_COLOR
 layout(location = ATTRIBUTE_COLOR) in vec4 attribute_color;
-#endif
-#ifdef MASKED
+
+layout(location = VARYING_TEXCOORD) out vec4 varying_texcoord;
 layout(location = VARYING_COLOR) out vec4 varying_color;
-#endif
 
 out gl_PerVertex {
     vec4 gl_Position;
@@ -41,12 +39,10 @@ void main() {
     gl_Position = push.clip_from_world * position_world;
     gl_Position.z = min(gl_Position.z, gl_Position.w * push.nearest_depth);
 
-#ifdef HAS_TEXCOORD
-    varying_texcoord = attribute_texcoord;
-#endif
-#ifdef HAS_COLOR
-    varying_color = attribute_color;
-#elif defined(MASKED)
-    varying_color = vec4(1.0);
-#endif
+    if (HAS_TEXCOORD) {
+        varying_texcoord = attribute_texcoord;
+    }
+    if (HAS_COLOR) {
+        varying_color = attribute_color;
+    }
 }

@@ -13,7 +13,7 @@ pub(super) use family::{Family, FamilyLayout};
 use modules::modules;
 use state::{FixedState, VertexInput};
 
-use super::shader::Module;
+use super::shader::{Module, Specialization};
 use super::{Called, Device, Owned, PipelineCache};
 use crate::Result;
 use crate::plan::{Pipeline, Plan};
@@ -98,18 +98,10 @@ impl Builder<'_> {
     fn build(&self, index: usize, pipeline: &Pipeline, place: Place) -> Result<Owned<vk::Pipeline>> {
         let plan = self.plan;
         let (vertex, fragment, constants) = modules(plan, pipeline);
-        let vertex = self.module(vertex)?;
-        let fragment = fragment.map(|module| self.module(module)).transpose()?;
-        let entries: Vec<_> = constants.ids.iter().enumerate().map(|(i, &id)| map_entry(id, i)).collect();
-        let special = vk::SpecializationInfo::default()
-            .map_entries(&entries)
-            .data(bytemuck::cast_slice(&constants.data));
+        let vertex = shader_module(self.device, vertex, &constants)?;
+        let fragment = fragment.map(|module| shader_module(self.device, module, &constants)).transpose()?;
         let stage = |stage, module: &Owned<vk::ShaderModule>| {
-            vk::PipelineShaderStageCreateInfo::default()
-                .stage(stage)
-                .module(module.raw())
-                .name(ENTRY)
-                .specialization_info(&special)
+            vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw()).name(ENTRY)
         };
         let vertex = stage(vk::ShaderStageFlags::VERTEX, &vertex);
         let fragment = fragment.as_ref().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module));
@@ -166,15 +158,17 @@ impl Builder<'_> {
         let raw = created.map_err(|(_, result)| result).called("vkCreateGraphicsPipelines")?;
         Ok(Owned::new(self.device, raw[0], name))
     }
-
-    fn module(&self, module: Module) -> Result<Owned<vk::ShaderModule>> {
-        let info = vk::ShaderModuleCreateInfo::default().code(module.spirv()?);
-        // SAFETY: the words are SPIR-V that the shader compiler made and a test validates.
-        unsafe { self.device.create_shader_module(&info, &module.name()) }
-    }
 }
 
-fn map_entry(id: u32, index: usize) -> vk::SpecializationMapEntry {
-    let size = size_of::<u32>();
-    vk::SpecializationMapEntry { constant_id: id, offset: (index * size) as u32, size }
+/// What is left of a module with these constants.
+pub(super) fn shader_module(
+    device: &Device,
+    module: Module,
+    constants: &Specialization,
+) -> Result<Owned<vk::ShaderModule>> {
+    let spirv = module.specialised(constants)?;
+    let info = vk::ShaderModuleCreateInfo::default().code(&spirv);
+    // SAFETY: the words are SPIR-V that the shader compiler made, and what `prune` leaves of it stays valid; tests validate
+    // both.
+    unsafe { device.create_shader_module(&info, &module.name()) }
 }

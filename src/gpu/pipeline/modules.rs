@@ -1,8 +1,8 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, Specialization,
-    TextureSlot, shared,
+    GeometryConstants, LightLoop, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
+    VertexConstants, shared,
 };
 use crate::environment::TexelFormat;
 use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
@@ -18,79 +18,55 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         fog: plan.needs.fog,
     };
     let lighting = LightingConstants {
+        scan: if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All },
         has_directional: plan.needs.directional_lights > 0,
         has_point: plan.needs.point_lights > 0,
         has_spot: plan.needs.spot_lights > 0,
         has_box: plan.needs.box_lights > 0,
         has_hemisphere: plan.needs.hemisphere_lights > 0,
         has_back: plan.needs.back_colors > 0,
+        globe_maps: plan.needs.globe_maps > 0,
         shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
         fold: plan.folded.then_some(output),
     };
-    let lights = LightInputs {
-        scan: if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All },
-        shadows: plan.shadow_map.is_some(),
-        globe_maps: plan.needs.globe_maps > 0,
-    };
-    let one_light = LightInputs { scan: LightLoop::One, ..lights };
     let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
     let (vertex, fragment, constants) = match pipeline {
         Pipeline::Depth(kind) => {
-            let textured = kind.textures != 0;
-            let vertex = Module::GeometryVertex {
-                normal: false,
-                texcoord: textured,
-                tangent: false,
-                color: kind.vertex_color,
-            };
-            let mask = kind.alpha_mask.then_some(Module::Mask { textured });
-            return (vertex, mask, surface_constants(plan, kind).specialization());
+            let constants =
+                surface_constants(plan, kind).specialization().and(depth_vertex(kind).specialization());
+            return (Module::GeometryVertex, kind.alpha_mask.then_some(Module::Mask), constants);
         }
         Pipeline::Surface(kind) => {
-            let textured = kind.textures != 0;
-            let constants = surface_constants(plan, kind).specialization();
-            let vertex = vertex_module(kind);
-            if plan.has_gbuffer() {
-                let light_target = plan.has_light_target();
-                let around = kind.around;
-                (vertex, Module::GeometryFragment { layout, light_target, textured, around }, constants)
+            let fragment = if plan.has_gbuffer() {
+                Module::GeometryFragment(layout)
             } else if plan.has_light_target() {
-                let around = kind.around;
-                let constants = constants.and(lighting.specialization()).and(output.specialization());
-                (vertex, Module::Base { textured, around }, constants)
+                Module::Base
             } else if kind.unlit {
-                (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
+                Module::Unlit
             } else {
-                let around = kind.around;
-                let module = Module::Forward { textured, lights, around };
-                (vertex, module, constants.and(lighting.specialization()))
-            }
+                Module::Forward
+            };
+            let constants = lighting.specialization().and(output.specialization());
+            (Module::GeometryVertex, fragment, constants.and(surface(plan, kind)))
         }
         Pipeline::Light(kind) => {
-            let constants = surface_constants(plan, kind)
-                .specialization()
-                .and(lighting.specialization())
-                .and(output.specialization());
-            (
-                vertex_module(kind),
-                Module::Light { textured: kind.textures != 0, lights: one_light },
-                constants,
-            )
+            let constants = lighting.specialization().and(output.specialization());
+            (Module::GeometryVertex, Module::Light, constants.and(surface(plan, kind)))
         }
         Pipeline::Lighting => {
             let lighting = if one_by_one { lighting.only_global() } else { lighting };
-            let module = Module::Lighting { layout, lights };
-            (Module::Fullscreen, module, lighting.specialization())
+            let constants = lighting.specialization().and(output.specialization());
+            (Module::Fullscreen, Module::Lighting(layout), constants)
         }
         Pipeline::LightMask(shape) => return (Module::LightVolume, None, shape_constant(*shape)),
         Pipeline::LightVolume(shape) => {
-            let module = Module::Lighting { layout, lights: one_light };
-            let constants = lighting.only_local().specialization().and(shape_constant(*shape));
-            (Module::LightVolume, module, constants)
+            let constants = lighting.only_local().specialization().and(output.specialization());
+            (Module::LightVolume, Module::Lighting(layout), constants.and(shape_constant(*shape)))
         }
         Pipeline::Tonemap => {
-            let fog = plan.needs.fog.is_some() && plan.has_gbuffer();
-            (Module::Fullscreen, Module::Tonemap { fog }, output.specialization())
+            // Without a G-buffer, fog is applied where surfaces are drawn.
+            let fog = output.fog.filter(|_| plan.has_gbuffer());
+            (Module::Fullscreen, Module::Tonemap, OutputConstants { fog, ..output }.specialization())
         }
     };
     (vertex, Some(fragment), constants)
@@ -105,13 +81,21 @@ fn shape_constant(shape: VolumeShape) -> Specialization {
     })
 }
 
-fn vertex_module(kind: &SurfaceKind) -> Module {
-    Module::GeometryVertex {
+/// Of a pipeline that draws surfaces with their materials.
+fn surface(plan: &Plan, kind: &SurfaceKind) -> Specialization {
+    let vertex = VertexConstants {
         normal: !kind.unlit,
         texcoord: kind.textures != 0,
         tangent: kind.needs_tangents(),
         color: kind.vertex_color,
-    }
+    };
+    vertex.specialization().and(surface_constants(plan, kind).specialization())
+}
+
+/// What masks read.
+fn depth_vertex(kind: &SurfaceKind) -> VertexConstants {
+    let (texcoord, color) = (kind.alpha_mask && kind.textures != 0, kind.alpha_mask && kind.vertex_color);
+    VertexConstants { texcoord, color, ..VertexConstants::default() }
 }
 
 fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
@@ -129,6 +113,8 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
         unlit: kind.unlit,
         vertex_color: kind.vertex_color,
         emissive: kind.emissive,
+        around: kind.around,
         rgbm: plan.environment_texels().is_some_and(|(format, _)| format == TexelFormat::Rgbm),
+        light_target: plan.has_light_target(),
     }
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{KIND_COUNT, shared};
-use crate::plan::{ShadowFilter, Tonemap};
+use crate::plan::{Around, ShadowFilter, Tonemap};
 use crate::scene::Fog;
 
 /// Values for specialisation constants: `data[i]` is that of constant `ids[i]`.
@@ -39,6 +39,32 @@ impl Specialization {
     }
 }
 
+/// Constants of [`super::Module::GeometryVertex`] and [`super::Module::ShadowVertex`]: what fragments read of the mesh besides
+/// its positions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct VertexConstants {
+    /// Normals.
+    pub normal: bool,
+    /// One or two texture coordinates.
+    pub texcoord: bool,
+    /// Tangents.
+    pub tangent: bool,
+    /// Vertex colours.
+    pub color: bool,
+}
+
+impl VertexConstants {
+    /// As ids and values.
+    pub fn specialization(&self) -> Specialization {
+        Specialization::from_pairs(&[
+            (const { shared("ID_HAS_NORMAL") }, self.normal.into()),
+            (const { shared("ID_HAS_TEXCOORD") }, self.texcoord.into()),
+            (const { shared("ID_HAS_TANGENT") }, self.tangent.into()),
+            (const { shared("ID_HAS_COLOR") }, self.color.into()),
+        ])
+    }
+}
+
 /// How a material samples one kind of texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TextureSlot {
@@ -50,7 +76,7 @@ pub struct TextureSlot {
     pub transformed: bool,
 }
 
-/// Constants of [`super::Module::GeometryFragment`], [`super::Module::Forward`] and [`super::Module::Unlit`].
+/// Constants of the modules that draw surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct GeometryConstants {
     /// Base colour, metallic-roughness, normal, occlusion, emissive: those that the material has.
@@ -65,8 +91,12 @@ pub struct GeometryConstants {
     pub vertex_color: bool,
     /// The surface emits light.
     pub emissive: bool,
+    /// What arrives from all around; nothing without a light target.
+    pub around: Around,
     /// Radiance is stored as RGBM.
     pub rgbm: bool,
+    /// The light target is written beside the G-buffer.
+    pub light_target: bool,
 }
 
 impl GeometryConstants {
@@ -101,14 +131,31 @@ impl GeometryConstants {
             (const { shared("ID_UNLIT") }, self.unlit.into()),
             (const { shared("ID_VERTEX_COLOR") }, self.vertex_color.into()),
             (const { shared("ID_EMISSIVE") }, self.emissive.into()),
+            (const { shared("ID_AMBIENT") }, (self.around >= Around::Ambient).into()),
+            (const { shared("ID_ENVIRONMENT") }, (self.around >= Around::Environment).into()),
             (const { shared("ID_RGBM") }, self.rgbm.into()),
+            (const { shared("ID_LIGHT_TARGET") }, self.light_target.into()),
         ])
     }
 }
 
-/// Constants of [`super::Module::Lighting`] and [`super::Module::Forward`].
+/// The lights that a pixel looks at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum LightLoop {
+    /// All.
+    #[default]
+    All,
+    /// Those that shine everywhere and those in the list of its cluster.
+    Cluster,
+    /// The one that is drawn.
+    One,
+}
+
+/// Constants of the modules that shade surfaces by lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LightingConstants {
+    /// Which lights a pixel looks at.
+    pub scan: LightLoop,
     /// The scene has directional lights.
     pub has_directional: bool,
     /// The scene has point lights.
@@ -121,6 +168,8 @@ pub struct LightingConstants {
     pub has_hemisphere: bool,
     /// Some directional or box light has a back colour.
     pub has_back: bool,
+    /// Some light shines through a globe map.
+    pub globe_maps: bool,
     /// How shadow maps are sampled, where lights have them.
     pub shadow_filter: Option<ShadowFilter>,
     /// Lighting writes the output itself, like this; `None` adds to the light target.
@@ -141,18 +190,19 @@ impl LightingConstants {
     /// As ids and values.
     pub fn specialization(&self) -> Specialization {
         let lights = Specialization::from_pairs(&[
+            (const { shared("ID_CLUSTERS") }, (self.scan == LightLoop::Cluster).into()),
+            (const { shared("ID_ONE_LIGHT") }, (self.scan == LightLoop::One).into()),
             (const { shared("ID_HAS_DIRECTIONAL") }, self.has_directional.into()),
             (const { shared("ID_HAS_POINT") }, self.has_point.into()),
             (const { shared("ID_HAS_SPOT") }, self.has_spot.into()),
             (const { shared("ID_HAS_BOX") }, self.has_box.into()),
             (const { shared("ID_HAS_HEMISPHERE") }, self.has_hemisphere.into()),
             (const { shared("ID_HAS_BACK") }, self.has_back.into()),
+            (const { shared("ID_GLOBE_MAPS") }, self.globe_maps.into()),
+            (const { shared("ID_SHADOWS") }, self.shadow_filter.is_some().into()),
+            (const { shared("ID_SHADOW_FILTER") }, self.shadow_filter.map_or(0, shadow_filter)),
             (const { shared("ID_FOLD") }, self.fold.is_some().into()),
         ]);
-        let lights = match self.shadow_filter {
-            Some(filter) => lights.and(shadow_constants(filter)),
-            None => lights,
-        };
         match self.fold {
             Some(output) => lights.and(output.specialization()),
             None => lights,
@@ -160,14 +210,13 @@ impl LightingConstants {
     }
 }
 
-fn shadow_constants(filter: ShadowFilter) -> Specialization {
-    let filter = match filter {
+fn shadow_filter(filter: ShadowFilter) -> u32 {
+    match filter {
         ShadowFilter::Hardware => const { shared("SHADOW_FILTER_HARDWARE") },
         ShadowFilter::Grid3 => const { shared("SHADOW_FILTER_GRID3") },
         ShadowFilter::Grid5 => const { shared("SHADOW_FILTER_GRID5") },
         ShadowFilter::Jittered => const { shared("SHADOW_FILTER_JITTERED") },
-    };
-    Specialization::from_pairs(&[(const { shared("ID_SHADOW_FILTER") }, filter)])
+    }
 }
 
 /// Constants of the modules that write the output: [`super::Module::Tonemap`], [`super::Module::Unlit`],

@@ -3,7 +3,8 @@
 use ash::vk;
 
 use super::super::descriptor::{Binding, set_layout};
-use super::super::shader::{GeometryConstants, Module, Specialization, TextureSlot, shared};
+use super::super::pipeline::shader_module;
+use super::super::shader::{GeometryConstants, Module, Specialization, TextureSlot, VertexConstants, shared};
 use super::super::shared::ShadowPush;
 use super::super::{Called, Device, Owned, PipelineCache, texel_bytes};
 use crate::Result;
@@ -106,15 +107,9 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     fn caster(&self, kind: &CasterKind, layout: &CasterLayout) -> Result<Owned<vk::Pipeline>> {
-        let vertex = Module::ShadowVertex {
-            masked: kind.mask.is_some(),
-            texcoord: kind.mask.is_some_and(|m| m.textured),
-            color: kind.mask.is_some_and(|m| m.vertex_color),
-        };
-        let fragment = kind
-            .mask
-            .as_ref()
-            .map(|mask| (Module::Mask { textured: mask.textured }, mask_constants(mask).specialization()));
+        let mask = kind.mask.as_ref();
+        let constants = mask.map(mask_constants).unwrap_or_default();
+        let modules = (Module::ShadowVertex, mask.map(|_| Module::Mask));
         // As the main pass draws it: faces that point away from the light cast no shadow, unless both sides exist. Depth is
         // reversed, so away from the light is down.
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
@@ -130,7 +125,7 @@ impl Builder<'_> {
             .line_width(1.0);
         let input = vertex_input(kind.mask.as_ref())?;
         let (compare, name) = (vk::CompareOp::GREATER, format!("shadow caster, {kind}"));
-        self.build(vertex, fragment, &input, &raster, compare, layout, &name)
+        self.build(modules, &constants, &input, &raster, compare, layout, &name)
     }
 
     fn clear(&self, layout: &CasterLayout) -> Result<Owned<vk::Pipeline>> {
@@ -139,42 +134,27 @@ impl Builder<'_> {
             .cull_mode(vk::CullModeFlags::NONE)
             .line_width(1.0);
         let (input, always) = (VertexInput::default(), vk::CompareOp::ALWAYS);
-        self.build(Module::Fullscreen, None, &input, &raster, always, layout, "shadow clear")
+        let modules = (Module::Fullscreen, None);
+        self.build(modules, &Specialization::default(), &input, &raster, always, layout, "shadow clear")
     }
 
     #[allow(clippy::too_many_arguments, reason = "what sets the two kinds of pipelines apart")]
     fn build(
         &self,
-        vertex: Module,
-        fragment: Option<(Module, Specialization)>,
+        (vertex, fragment): (Module, Option<Module>),
+        constants: &Specialization,
         (bindings, attributes): &VertexInput,
         raster: &vk::PipelineRasterizationStateCreateInfo<'_>,
         compare: vk::CompareOp,
         layout: &CasterLayout,
         name: &str,
     ) -> Result<Owned<vk::Pipeline>> {
-        let module = |module: Module| {
-            let info = vk::ShaderModuleCreateInfo::default().code(module.spirv()?);
-            // SAFETY: the words are SPIR-V that the shader compiler made and a test validates.
-            unsafe { self.device.create_shader_module(&info, &module.name()) }
-        };
-        let vertex = module(vertex)?;
-        let (fragment, constants) = fragment.map(|(m, c)| (module(m), c)).unzip();
-        let fragment = fragment.transpose()?;
-        let constants = constants.unwrap_or_default();
-        let entries: Vec<_> = (0_u32..)
-            .zip(&constants.ids)
-            .map(|(i, &constant_id)| vk::SpecializationMapEntry { constant_id, offset: 4 * i, size: 4 })
-            .collect();
-        let special = vk::SpecializationInfo::default()
-            .map_entries(&entries)
-            .data(bytemuck::cast_slice(&constants.data));
+        let vertex = shader_module(self.device, vertex, constants)?;
+        let fragment = fragment.map(|module| shader_module(self.device, module, constants)).transpose()?;
         let stage = |stage, module: &Owned<vk::ShaderModule>| {
             vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw()).name(c"main")
         };
-        let fragment = fragment
-            .as_ref()
-            .map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module).specialization_info(&special));
+        let fragment = fragment.as_ref().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module));
         let vertex = stage(vk::ShaderStageFlags::VERTEX, &vertex);
         let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
         let input = vk::PipelineVertexInputStateCreateInfo::default()
@@ -214,18 +194,21 @@ impl Builder<'_> {
 }
 
 /// What cuts a mask: the first and only texture of its descriptors is the base colour.
-fn mask_constants(mask: &CasterMask) -> GeometryConstants {
+fn mask_constants(mask: &CasterMask) -> Specialization {
     let base_color = mask.textured.then_some(TextureSlot {
         slot: 0,
         second_texcoord: mask.second_texcoord,
         transformed: mask.transformed,
     });
-    GeometryConstants {
+    let vertex =
+        VertexConstants { texcoord: mask.textured, color: mask.vertex_color, ..VertexConstants::default() };
+    let fragment = GeometryConstants {
         textures: [base_color, None, None, None, None],
         alpha_mask: true,
         vertex_color: mask.vertex_color,
         ..GeometryConstants::default()
-    }
+    };
+    vertex.specialization().and(fragment.specialization())
 }
 
 type VertexInput = (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>);
