@@ -2,6 +2,7 @@
 
 mod family;
 mod modules;
+mod parts;
 mod state;
 
 use std::collections::BTreeMap;
@@ -11,8 +12,10 @@ use ash::vk;
 
 pub(super) use family::{Family, FamilyLayout};
 use modules::modules;
+pub use parts::PipelineParts;
 use state::{FixedState, VertexInput};
 
+use super::descriptor::Binding;
 use super::shader::{Module, Specialization};
 use super::{Called, Device, Owned, PipelineCache};
 use crate::Result;
@@ -106,11 +109,7 @@ impl Builder<'_> {
         let vertex = stage(vk::ShaderStageFlags::VERTEX, &vertex);
         let fragment = fragment.as_ref().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module));
         let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
-        let input = match pipeline {
-            Pipeline::Surface(kind) | Pipeline::Light(kind) => VertexInput::new(kind)?,
-            Pipeline::Depth(kind) => VertexInput::of_depth(kind)?,
-            _ => VertexInput::default(),
-        };
+        let input = VertexInput::of_pipeline(pipeline)?;
         let state = FixedState::new(plan.subpass(index).2, pipeline);
         self.create(&stages, &input, &state, place, &plan.pipeline_text(pipeline))
     }
@@ -151,7 +150,7 @@ impl Builder<'_> {
             None => info,
         };
         // SAFETY: everything that `info` points to outlives the call, and the modules match the layouts (a test
-        // compares both with the shared header).
+        // compares them).
         let created = unsafe {
             self.device.raw().create_graphics_pipelines(self.cache.raw(), &[info], self.device.callbacks())
         };

@@ -16,12 +16,16 @@ pub(super) struct VertexInput {
 }
 
 impl VertexInput {
-    pub(super) fn new(kind: &SurfaceKind) -> Result<Self> {
-        Self::of(kind, |_| true)
+    pub(super) fn of_pipeline(pipeline: &Pipeline) -> Result<Self> {
+        match pipeline {
+            Pipeline::Surface(kind) | Pipeline::Light(kind) => Self::of(kind, |_| true),
+            Pipeline::Depth(kind) => Self::of_depth(kind),
+            _ => Ok(Self::default()),
+        }
     }
 
     /// What depth and masks need; the rest may be bound and is not read.
-    pub(super) fn of_depth(kind: &SurfaceKind) -> Result<Self> {
+    fn of_depth(kind: &SurfaceKind) -> Result<Self> {
         Self::of(kind, |stream| match stream {
             StreamKind::Position => true,
             StreamKind::Texcoords | StreamKind::Color => kind.alpha_mask,
