@@ -235,6 +235,59 @@ fn what_moved_casts_the_shadow_of_a_scene_made_so() {
     });
 }
 
+/// Tiles that are composed of what stands still and what moves are, bit for bit, those that are drawn whole.
+#[test]
+fn what_moves_is_drawn_over_what_stands_still() {
+    on_device(None, |gpu| {
+        for still in one_light_each() {
+            let name = still.name.clone();
+            let camera = &still.cameras[0];
+            let mut moving = still.clone();
+            moving.instances[BALL].dynamic = true;
+            let [mut composed, mut whole] =
+                [&moving, &still].map(|scene| offscreen(gpu, scene, RendererConfig::default()));
+            let map = |offscreen: &Offscreen| offscreen.renderer().plan().shadow_map.clone().unwrap();
+            assert_eq!(map(&composed).bytes(), 2 * map(&whole).bytes(), "{name}: one more map");
+            let mut pictures = Vec::new();
+            // Out of sight and back at last.
+            for (step, x) in [0.0, 0.4, 0.45, -0.8, 30.0, 0.2].into_iter().enumerate() {
+                let shift = Mat4::from_translation(Vec3::new(x, 0.3 * x.abs(), 0.5 * x));
+                let place = shift * still.instances[BALL].world_from_object;
+                let [a, b] = [&mut composed, &mut whole].map(|offscreen| {
+                    offscreen.renderer_mut().set_instance(BALL, &place).unwrap();
+                    render(offscreen, camera)
+                });
+                assert_eq!(difference(&a, &b), None, "{name}: step {step}");
+                pictures.push(a);
+                let [a, b] = [&composed, &whole].map(taken);
+                println!("{name}, step {step}: {a:?}, whole {b:?}");
+                assert_eq!((a.tiles, b.composed + b.static_tiles), (b.tiles, 0), "{name}: step {step}");
+                match step {
+                    // Nothing has stood still yet.
+                    0 => assert_eq!(a, b, "{name}"),
+                    // A cascade has to be deeper for what is far away.
+                    4 if name == "sun" => assert_eq!(a.composed, 0),
+                    4 | 5 => {}
+                    _ => {
+                        assert!(a.tiles > 0 && a.composed == a.tiles, "{name}: {a:?}");
+                        assert_eq!(a.static_tiles > 0, step == 1, "{name}: {a:?}");
+                    }
+                }
+                if (2..4).contains(&step) {
+                    assert_eq!(a.casters + a.culled, a.tiles, "{name}: one ball each, at most");
+                    // The ball's box is around the bulb, and so in every part of every face.
+                    assert!(name == "bulb" || a.stored_bytes < b.stored_bytes / 2, "{name}: {a:?}, {b:?}");
+                    assert!(
+                        a.copied_bytes == a.stored_bytes && a.casters < b.casters,
+                        "{name}: {a:?}, {b:?}"
+                    );
+                }
+            }
+            assert!(difference(&pictures[1], &pictures[3]).is_some(), "{name}: the move is not seen");
+        }
+    });
+}
+
 #[test]
 fn tiles_wait_for_their_frame() {
     on_device(None, |gpu| {
@@ -352,21 +405,44 @@ fn no_shadow_costs_nothing() {
     let hemisphere = Light::new(LightKind::Hemisphere { illuminance_lx: 1.0 });
     let sky = Light { shadow: Some(Shadow::default()), ..hemisphere };
     let around = Scene { lights: vec![sky], ..lit.clone() };
+    // Nor does a static map exist where everything stands still or everything moves, or where the light itself moves.
+    let has_static_map = |light: bool, instances: &[bool]| {
+        let mut scene = lit.clone();
+        scene.lights[0].dynamic = light;
+        scene.instances.iter_mut().zip(instances).for_each(|(instance, dynamic)| instance.dynamic = *dynamic);
+        map(&scene).unwrap().has_static_map
+    };
+    let all = vec![true; lit.instances.len()];
+    let found = [(false, &[][..]), (false, &all), (true, &[true]), (false, &[true])];
+    assert_eq!(found.map(|(light, instances)| has_static_map(light, instances)), [false, false, false, true]);
     for scene in [lit.clone().without_shadows(), dark, unlit, alone, around] {
         assert_eq!(map(&scene), None);
     }
 }
 
-/// All filters and both formats under validation, with casters of all kinds.
+/// All filters and both formats under validation, with casters of all kinds; and half of them move.
 #[test]
 fn every_choice_is_valid() {
     on_device(None, |gpu| {
-        let scene = shadows();
+        let still = shadows();
+        let mut moving = still.clone();
+        moving.instances.iter_mut().step_by(2).for_each(|instance| instance.dynamic = true);
         for &filter in ShadowFilter::ALL {
             for &format in ShadowFormat::ALL {
                 let shadows = ShadowOptions { filter, format, most_texels: 1024, ..ShadowOptions::default() };
-                let plan = gpu.plan(&scene, Options { shadows, ..options(filter) });
-                gpu.picture(&scene, plan, 0.0);
+                let options = Options { shadows, ..options(filter) };
+                let [whole, composed] = [&still, &moving].map(|scene| {
+                    let plan = gpu.plan(scene, options.clone());
+                    let mut offscreen = gpu.offscreen(scene, plan, RendererConfig::default());
+                    render(&mut offscreen, &scene.cameras[0]);
+                    for (index, instance) in scene.instances.iter().enumerate().step_by(2) {
+                        let place = Mat4::from_translation(Vec3::Y * 0.1) * instance.world_from_object;
+                        offscreen.renderer_mut().set_instance(index, &place).unwrap();
+                    }
+                    (render(&mut offscreen, &scene.cameras[0]), taken(&offscreen).composed)
+                });
+                assert_eq!(difference(&whole.0, &composed.0), None, "{filter}, {format}");
+                assert!(composed.1 > 0 && whole.1 == 0, "{filter}, {format}");
             }
         }
     });

@@ -12,6 +12,7 @@ embed![
     "lighting_metallic128.frag",
     "mask.frag",
     "shadow.vert",
+    "shadow_compose.frag",
     "tonemap.frag",
     "unlit.frag",
 ]

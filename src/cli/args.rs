@@ -13,7 +13,7 @@ use ontile::plan::{
     Layout, LightWay, Options, OutputFormat, Path, ShadowFilter, ShadowFormat, ShadowOptions, Strategy,
     Tonemap,
 };
-use ontile::scene::{Background, FogHeight};
+use ontile::scene::{Background, FogHeight, Scene};
 
 /// What is looked at.
 #[derive(Args, Debug)]
@@ -59,7 +59,7 @@ pub struct SceneArgs {
     #[arg(long, value_name = "N")]
     pub max_lights: Option<usize>,
     /// Lights with shadows at most; the least important cast none
-    #[arg(long, value_name = "N", default_value_t = 8)]
+    #[arg(long, value_name = "N", default_value_t = Scene::DEFAULT_SHADOWS)]
     pub max_shadows: usize,
     /// No light casts a shadow
     #[arg(long, conflicts_with = "max_shadows")]

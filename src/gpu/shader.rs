@@ -95,6 +95,8 @@ pub enum Module {
     LightVolume,
     /// Places a caster in the shadow map.
     ShadowVertex,
+    /// Copies a tile of one shadow map to another.
+    ShadowCompose,
 }
 
 impl Module {
@@ -105,7 +107,12 @@ impl Module {
             of_layouts.iter().flat_map(|module| Layout::ALL.iter().map(|layout| module(*layout)));
         let vertex = [Self::GeometryVertex, Self::ShadowVertex, Self::LightVolume, Self::Fullscreen];
         let surfaces = [Self::Unlit, Self::Forward, Self::Base, Self::Light, Self::Mask];
-        vertex.into_iter().chain(surfaces).chain(of_layouts).chain([Self::Tonemap]).collect()
+        vertex
+            .into_iter()
+            .chain(surfaces)
+            .chain(of_layouts)
+            .chain([Self::Tonemap, Self::ShadowCompose])
+            .collect()
     }
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -123,6 +130,7 @@ impl Module {
             Self::Fullscreen => "fullscreen.vert",
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
+            Self::ShadowCompose => "shadow_compose.frag",
         }
     }
 

@@ -68,6 +68,13 @@ impl Plan {
             map.bytes(),
             count(map.tiles.len(), "tile", "s")
         )?;
+        if map.has_static_map {
+            writeln!(
+                f,
+                "  half of it is the static map: where only dynamic casters have moved, that part of a tile begins as a \
+                 copy of what stands still, and only they are drawn"
+            )?;
+        }
         writeln!(
             f,
             "  a tile is a render pass before the others when what it shows has changed: cleared, stored once"

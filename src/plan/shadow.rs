@@ -19,6 +19,8 @@ pub struct ShadowNeed {
     pub shape: ShadowShape,
     /// Texels that the map must have beyond what a view shows, for filters at its edge.
     pub guard_texels: u32,
+    /// The light may move: nothing is kept for it.
+    pub dynamic: bool,
 }
 
 /// A kind of surface as the shadow map sees it; one pipeline each.
@@ -92,6 +94,8 @@ pub struct ShadowNeeds {
     pub lights: Vec<ShadowNeed>,
     /// Kinds of casters, in pipeline order.
     pub casters: Vec<CasterKind>,
+    /// Some casters may move, and others do not.
+    pub mixed: bool,
 }
 
 impl ShadowNeeds {
@@ -125,11 +129,15 @@ impl ShadowNeeds {
                 shape,
                 guard_texels: scene.lights[light].shadow.map_or(0.0, spread_texels).ceil() as u32
                     + ShadowMap::FILTER_MARGIN,
+                dynamic: scene.lights[light].dynamic,
             })
             .collect();
         match lights.is_empty() {
             true => Self::default(),
-            false => Self { lights, casters: casters.into_iter().collect() },
+            false => {
+                let any = |dynamic| scene.drawn_instances().any(|instance| instance.dynamic == dynamic);
+                Self { lights, casters: casters.into_iter().collect(), mixed: any(true) && any(false) }
+            }
         }
     }
 }
@@ -147,6 +155,8 @@ pub struct ShadowLight {
     pub tiles: Range<usize>,
     /// Their size.
     pub size: TileSize,
+    /// Whether the static map has a part for it: something moves in its light, and it does not.
+    pub keeps_static: bool,
 }
 
 /// A square part of the shadow map, texels.
@@ -173,6 +183,9 @@ pub struct ShadowMap {
     pub tiles: Vec<Tile>,
     /// What is drawn into it; one pipeline each.
     pub casters: Vec<CasterKind>,
+    /// Whether there is a static map: a second image of the same size that holds what stands still, so that only what moves
+    /// is drawn again.
+    pub has_static_map: bool,
 }
 
 /// Smaller tiles are not worth their draw calls.
@@ -250,6 +263,7 @@ impl ShadowMap {
                 shape: need.shape,
                 tiles: first..tiles.len(),
                 size: TileSize { texels: ask.texels, guard: need.guard_texels.min(ask.texels / 5) },
+                keeps_static: needs.mixed && !need.dynamic,
             });
         }
         let mut order: Vec<_> = (0..tiles.len()).collect();
@@ -268,6 +282,7 @@ impl ShadowMap {
                 ShadowFormat::D16 => Format::D16Unorm,
             },
             size: size.map(|s| s as u32),
+            has_static_map: lights.iter().any(|light| light.keeps_static),
             lights,
             tiles,
             casters: needs.casters.clone(),
@@ -280,9 +295,10 @@ impl ShadowMap {
         lights.map_or(0, |l| (l.tiles.start as u32 + 1) | (l.tiles.len() as u32) << 16)
     }
 
-    /// Bytes of the whole image.
+    /// Bytes of the image, and of the static map.
     pub fn bytes(&self) -> u64 {
-        self.size.iter().map(|&s| u64::from(s)).product::<u64>() * u64::from(self.format.bytes())
+        let texels = self.size.iter().map(|&s| u64::from(s)).product::<u64>();
+        texels * u64::from(self.format.bytes()) * if self.has_static_map { 2 } else { 1 }
     }
 
     /// Bytes that drawing a tile stores.

@@ -12,7 +12,9 @@ pub struct ShadowMapReport {
     pub format: Format,
     /// Width and height in texels.
     pub size: [u32; 2],
-    /// Bytes of memory.
+    /// Whether a second image of this size holds what stands still, for tiles in which something else moves.
+    pub has_static_map: bool,
+    /// Bytes of memory of both.
     pub bytes: Figure,
     /// Bytes that a frame stores which draws all tiles, as the first one does; nothing is loaded.
     pub stored_bytes: Figure,
@@ -44,14 +46,22 @@ pub struct ShadowLightReport {
 pub struct ShadowFigures {
     /// Tiles that were drawn; all others that are of use were kept.
     pub tiles_drawn: usize,
+    /// Of these, tiles of which no more was drawn than where dynamic casters moved, over a copy of what stands still.
+    pub tiles_composed: usize,
+    /// Tiles of the static map that were drawn, beside these.
+    pub static_tiles_drawn: usize,
     /// Tiles that have to wait for a later frame.
     pub tiles_waiting: usize,
     /// Draw calls, beside those of the main pass.
     pub draws: usize,
     /// Instances drawn, once for each tile that they are in.
     pub casters: usize,
-    /// Bytes stored to the map; nothing is loaded.
+    /// Instances that were not, because they are out of a tile's view or beyond its light's range.
+    pub casters_culled: usize,
+    /// Bytes stored to the map, and to the static one; nothing is loaded.
     pub stored_bytes: Figure,
+    /// Bytes that copies read of the latter.
+    pub copied_bytes: Figure,
 }
 
 /// A figure of bytes; they are far fewer than the 2^53 up to which an f64 counts.
@@ -85,6 +95,7 @@ impl ShadowMap {
         ShadowMapReport {
             format: self.format,
             size: self.size,
+            has_static_map: self.has_static_map,
             bytes: planned_bytes(self.bytes()),
             stored_bytes: stored(0..self.tiles.len()),
             sampled_texels: Figure::planned(filter.samples() * 4),

@@ -7,6 +7,9 @@ use glam::{DVec3, Vec3};
 use super::{Aabb, Light, LightKind, Scene};
 
 impl Scene {
+    /// As many lights cast shadows where nobody says otherwise.
+    pub const DEFAULT_SHADOWS: usize = 8;
+
     /// The scene with no light casting a shadow.
     pub fn without_shadows(mut self) -> Self {
         self.lights.iter_mut().for_each(|light| light.shadow = None);

@@ -17,5 +17,5 @@ pub use clusters::{Clusters, Grid};
 pub use frustum::Frustum;
 pub use order::{Distances, DrawOrder, sort_key, sorted_index};
 pub use reach::Reach;
-pub use shadow_views::{ShadowShape, ShadowView, TileSize};
+pub use shadow_views::{ShadowShape, ShadowView, ShadowVolume, TexelArea, TileSize};
 pub use sight::Sight;

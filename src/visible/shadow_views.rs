@@ -1,9 +1,9 @@
 //! The views from lights that shadow maps are drawn through. Computed in f64: what they show has to stay in place.
 
-use glam::{DMat3, DMat4, DVec3, DVec4, Mat4};
+use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec2, Vec3, Vec4Swizzles};
 use serde::Serialize;
 
-use super::Sphere;
+use super::{Frustum, Sphere};
 use crate::scene::{Aabb, Light, LightKind};
 
 /// Nearer than this to a point or spot light, distances to casters are not told apart, metres. With reversed depth in
@@ -81,6 +81,8 @@ pub struct ShadowView {
     pub texel_m: f32,
     /// Whether what is in front of the near plane is drawn upon it: it casts shadows too.
     pub pancaked: bool,
+    /// The light's place and how far it reaches, metres: what is farther away casts no shadow. `None`: no end.
+    pub reach: Option<(Vec3, f32)>,
 }
 
 impl ShadowView {
@@ -132,7 +134,7 @@ impl ShadowView {
             row(2, z, 0.5 - place.z * z),
             DVec4::W,
         ];
-        Self { clip_from_world: from_rows(rows), texel_m: texel_m as f32, pancaked }
+        Self { clip_from_world: from_rows(rows), texel_m: texel_m as f32, pancaked, reach: None }
     }
 
     /// A spot light's.
@@ -159,11 +161,39 @@ impl ShadowView {
         let rows =
             [row(frame.x_axis / half), row(-frame.y_axis / half), DVec4::W * NEAR_M, row(-frame.z_axis)];
         let texel_m = (2.0 * half / tile.side()) as f32;
-        Self { clip_from_world: from_rows(rows), texel_m, pancaked: true }
+        let reach = light.range_m.map(|range| (light.position_world, range));
+        Self { clip_from_world: from_rows(rows), texel_m, pancaked: true, reach }
     }
 
-    /// The matrix whose frustum holds everything that can cast a shadow in this view.
-    pub fn casters_clip_from_world(&self) -> Mat4 {
+    /// What can cast a shadow in this view.
+    pub fn volume(&self) -> ShadowVolume {
+        ShadowVolume { frustum: Frustum::new(&self.casters_clip_from_world()), reach: self.reach }
+    }
+
+    /// The part of a tile of this side that a box may cover.
+    pub fn area(&self, bounds: &Aabb, texels: u32) -> TexelArea {
+        // Vertices are rounded otherwise than corners are.
+        const ROUNDING_TEXELS: f32 = 1.0;
+        let side = texels as f32;
+        let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        for corner in 0..8 {
+            let pick = |axis: usize| [bounds.min, bounds.max][corner >> axis & 1][axis];
+            let corner = Vec3::new(pick(0), pick(1), pick(2));
+            let clip = self.clip_from_world * corner.extend(1.0);
+            let place = (clip.xy() / clip.w * 0.5 + 0.5) * side;
+            // What reaches behind the light covers everything, as does what is too far away for numbers.
+            if clip.w <= 0.0 || !place.is_finite() {
+                return TexelArea { min: [0; 2], max: [texels; 2] };
+            }
+            (min, max) = (min.min(place), max.max(place));
+        }
+        // Casting to integers saturates.
+        let min = (min - ROUNDING_TEXELS).floor().to_array().map(|n| (n as u32).min(texels));
+        let max = (max + ROUNDING_TEXELS).ceil().to_array().map(|n| (n as u32).min(texels));
+        TexelArea { min, max }
+    }
+
+    fn casters_clip_from_world(&self) -> Mat4 {
         if !self.pancaked {
             return self.clip_from_world;
         }
@@ -173,6 +203,50 @@ impl ShadowView {
             1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0,
         ]);
         depth * self.clip_from_world
+    }
+}
+
+/// A part of a tile, texels from its corner: from `min` to before `max`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TexelArea {
+    /// From the left and from the top.
+    pub min: [u32; 2],
+    /// If not above `min` in both, the area is empty.
+    pub max: [u32; 2],
+}
+
+impl TexelArea {
+    fn is_empty(&self) -> bool {
+        (0..2).any(|axis| self.max[axis] <= self.min[axis])
+    }
+
+    /// The smallest area that holds both.
+    pub fn union(self, other: Self) -> Self {
+        match (self.is_empty(), other.is_empty()) {
+            (true, _) => other,
+            (_, true) => self,
+            _ => Self {
+                min: [0, 1].map(|axis| self.min[axis].min(other.min[axis])),
+                max: [0, 1].map(|axis| self.max[axis].max(other.max[axis])),
+            },
+        }
+    }
+}
+
+/// The part of the world that can cast a shadow in a view.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowVolume {
+    frustum: Frustum,
+    reach: Option<(Vec3, f32)>,
+}
+
+impl ShadowVolume {
+    /// Whether a box is outside.
+    pub fn misses(&self, bounds: &Aabb) -> bool {
+        let too_far = self.reach.is_some_and(|(center, range)| {
+            center.clamp(bounds.min, bounds.max).distance_squared(center) > range * range
+        });
+        too_far || self.frustum.misses_aabb(bounds)
     }
 }
 
@@ -193,7 +267,6 @@ fn from_rows(rows: [DVec4; 4]) -> Mat4 {
 mod tests {
     use super::*;
     use crate::scene::Shadow;
-    use glam::Vec3;
 
     const TILE: TileSize = TileSize { texels: 512, guard: 5 };
     const BOUNDS: Aabb = Aabb { min: Vec3::new(-20.0, 0.0, -20.0), max: Vec3::new(20.0, 6.0, 20.0) };
@@ -311,6 +384,50 @@ mod tests {
                 assert!(inside(at, TileSize { guard: TILE.guard - 1, ..TILE }), "{face}: {at}");
                 let edge = at.x.min(at.y).min(TILE.side() - at.x).min(TILE.side() - at.y);
                 assert_eq!((edge - f64::from(TILE.guard)).abs() < 1e-3, s.abs().max(t.abs()) == 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_beyond_a_range_casts_no_shadow() {
+        let lamp = Light { range_m: Some(5.0), ..light(LightKind::Point { intensity_cd: 1.0 }) };
+        let volume = ShadowView::face(&lamp, 0, TILE).volume();
+        let block = |x: f32| {
+            let center = lamp.position_world + Vec3::X * x;
+            Aabb { min: center - 0.5, max: center + 0.5 }
+        };
+        // Behind, around, before, reaching in, and beyond.
+        let missed = [-2.0, 0.0, 3.0, 5.4, 5.6].map(|x| volume.misses(&block(x)));
+        assert_eq!(missed, [true, false, false, false, true]);
+        let endless = ShadowView::face(&Light { range_m: None, ..lamp.clone() }, 0, TILE).volume();
+        assert!(!endless.misses(&block(5.6)));
+    }
+
+    #[test]
+    fn an_area_holds_what_its_box_covers() {
+        let lamp = light(LightKind::Point { intensity_cd: 1.0 });
+        let sphere = Sphere { center: DVec3::ZERO, radius_m: 3.0 };
+        let sun = ShadowView::cascade(directions()[1], &sphere, &BOUNDS, TILE);
+        for view in [ShadowView::face(&lamp, 3, TILE), sun] {
+            for (x, size) in [(-1.0, 0.1), (0.3, 0.7), (1.9, 0.4), (0.0, 9.0)] {
+                let center = Vec3::new(1.0 + x, 0.0, x - 2.0);
+                let bounds = Aabb { min: center - size, max: center + size };
+                let area = view.area(&bounds, TILE.texels);
+                for i in 0..125 {
+                    let share = Vec3::new((i % 5) as f32, (i / 5 % 5) as f32, (i / 25) as f32) * 0.25;
+                    let point = bounds.min + (bounds.max - bounds.min) * share;
+                    if (view.clip_from_world * point.extend(1.0)).w <= 0.0 {
+                        continue;
+                    }
+                    let at = texel(&view, TILE, point.as_dvec3());
+                    for axis in (0..2).filter(|&axis| at[axis] >= 0.0 && at[axis] < TILE.side()) {
+                        let range = f64::from(area.min[axis])..f64::from(area.max[axis]);
+                        assert!(range.contains(&at[axis]), "{bounds:?}: {at} in {area:?}");
+                    }
+                }
+                let whole = TexelArea { min: [0; 2], max: [TILE.texels; 2] };
+                assert_eq!(area == whole, size == 9.0, "{bounds:?}: {area:?}");
+                assert_eq!(area.union(TexelArea::default()), area);
             }
         }
     }

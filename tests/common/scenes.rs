@@ -16,9 +16,6 @@ use parts::*;
 #[path = "shadow_scenes.rs"]
 pub mod shadow_scenes;
 
-/// The program's own default.
-const MOST_SHADOWS: usize = 8;
-
 /// The scenes that the repository ships, loaded as the program does, in order of name.
 ///
 /// # Panics
@@ -29,7 +26,7 @@ pub fn shipped() -> Vec<Scene> {
         .iter()
         .map(|path| {
             let mut scene = Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
-            scene.keep_lights(None, Some(MOST_SHADOWS));
+            scene.keep_lights(None, Some(Scene::DEFAULT_SHADOWS));
             scene
         })
         .collect();

@@ -75,6 +75,24 @@ fn extras_of_the_node_count_before_those_of_the_light() {
 }
 
 #[test]
+fn what_hangs_from_a_moving_node_moves() {
+    let dynamic = |extras: &[(&str, bool)]| {
+        let mut file = lit(&[("point", json!(null), json!(null)), ("spot", json!(null), json!(null))]);
+        // 0 has the triangle, 1 and 2 the lights, 3 to 5 nothing: 5 > 4 > 1, and 3 > 0 and 2.
+        for children in [json!([0, 2]), json!([1]), json!([4])] {
+            file.push("nodes", json!({"children": children}));
+        }
+        *file.at("/scenes/0/nodes") = json!([3, 5]);
+        extras.iter().for_each(|(node, on)| *file.at(node) = ontile(json!({"dynamic": on})));
+        let scene = file.load().unwrap();
+        (scene.instances[0].dynamic, scene.lights[0].dynamic, scene.lights[1].dynamic)
+    };
+    assert_eq!(dynamic(&[]), (false, false, false));
+    assert_eq!(dynamic(&[("/nodes/5/extras", true)]), (false, true, false));
+    assert_eq!(dynamic(&[("/nodes/3/extras", true), ("/nodes/0/extras", false)]), (true, false, true));
+}
+
+#[test]
 fn directional_lights_become_boxes_and_hemispheres() {
     let scene = load(&[
         (

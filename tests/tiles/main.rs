@@ -99,7 +99,8 @@ fn commitments(report: &Value) -> Vec<String> {
 
 /// How many passes drew tiles of the shadow map.
 fn shadow_tiles(report: &Value) -> usize {
-    report["device"]["shadows"]["tiles_drawn"].as_u64().unwrap_or(0) as usize
+    let drawn = |what| report["device"]["shadows"][what].as_u64().unwrap_or(0) as usize;
+    drawn("tiles_drawn") + drawn("static_tiles_drawn")
 }
 
 /// What speaks against the passes that draw tiles of the shadow map: each has to store its depth, and nothing else.

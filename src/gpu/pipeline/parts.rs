@@ -42,7 +42,11 @@ impl PipelineParts {
                 vertex: vertex.specialised(&constants)?,
                 fragment: specialised(fragment, &constants)?,
                 bindings: counts(&family.sets()),
-                attributes: VertexInput::of_pipeline(pipeline)?.attributes.iter().map(|a| a.location).collect(),
+                attributes: VertexInput::of_pipeline(pipeline)?
+                    .attributes
+                    .iter()
+                    .map(|a| a.location)
+                    .collect(),
                 targets: plan.subpass(*stage).2.colors.len() as u32,
                 push_constants: family.has_push_constants(),
             })
@@ -69,5 +73,9 @@ fn specialised(module: Option<Module>, constants: &Specialization) -> Result<Opt
 
 fn counts(sets: &[Vec<super::Binding>]) -> BTreeMap<(u32, u32), u32> {
     let numbered = (0..).zip(sets);
-    numbered.flat_map(|(set, bindings)| bindings.iter().map(move |&(binding, _, count, _)| ((set, binding), count))).collect()
+    numbered
+        .flat_map(|(set, bindings)| {
+            bindings.iter().map(move |&(binding, _, count, _)| ((set, binding), count))
+        })
+        .collect()
 }

@@ -6,9 +6,10 @@ use glam::Mat4;
 
 use super::super::convert;
 use super::super::shared::InstanceData;
+use super::tiles::{Moves, Signature};
 use crate::plan::{Around, CasterKind, ShadowMap, SurfaceKind};
 use crate::scene::{Aabb, Scene};
-use crate::visible::Frustum;
+use crate::visible::{ShadowView, ShadowVolume, TexelArea};
 
 /// Casters that one draw call can draw: of one mesh, side by side in the instance buffer.
 #[derive(Clone, Debug)]
@@ -21,6 +22,28 @@ pub(super) struct Batch {
     pub(super) mesh: usize,
     /// Its part of the casters.
     pub(super) casters: Range<usize>,
+    /// Whether they may move.
+    dynamic: bool,
+}
+
+/// Some of the casters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Which {
+    All,
+    /// Those that stand still.
+    Fixed,
+    /// Those that may move.
+    Dynamic,
+}
+
+impl Which {
+    fn has(self, batch: &Batch) -> bool {
+        match self {
+            Self::All => true,
+            Self::Fixed => !batch.dynamic,
+            Self::Dynamic => batch.dynamic,
+        }
+    }
 }
 
 struct Caster {
@@ -37,7 +60,9 @@ pub(super) struct Casters {
     casters: Vec<Caster>,
     /// Of each of the scene's instances, its place among `casters`.
     caster_of: Vec<Option<usize>>,
-    moves: u64,
+    /// Where the dynamic ones begin.
+    first_dynamic: usize,
+    moves: Moves,
 }
 
 impl Casters {
@@ -55,14 +80,16 @@ impl Casters {
                 let kind = CasterKind::new(&surface, material)?;
                 let pipeline = map.casters.iter().position(|k| *k == kind);
                 let masked = kind.mask.map(|_| mesh.material);
-                Some((pipeline.expect("the plan was made for this scene"), masked, instance.mesh, index))
+                let pipeline = pipeline.expect("the plan was made for this scene");
+                Some((instance.dynamic, pipeline, masked, instance.mesh, index))
             })
             .collect();
         order.sort_unstable();
         let mut batches: Vec<Batch> = Vec::new();
         let mut casters = Vec::with_capacity(order.len());
         let mut caster_of = vec![None; scene.instances.len()];
-        for (pipeline, material, mesh, index) in order {
+        let first_dynamic = order.partition_point(|&(dynamic, ..)| !dynamic);
+        for (dynamic, pipeline, material, mesh, index) in order {
             let first = casters.len();
             let world_from_object = &scene.instances[index].world_from_object;
             let bounds_object = scene.meshes[mesh].bounds().expect("what has triangles has vertices");
@@ -74,30 +101,53 @@ impl Casters {
                 moves: 0,
             });
             match batches.last_mut() {
-                Some(last) if (last.pipeline, last.mesh) == (pipeline, mesh) => last.casters.end += 1,
-                _ => batches.push(Batch { pipeline, material, mesh, casters: first..first + 1 }),
+                Some(last) if (last.dynamic, last.pipeline, last.mesh) == (dynamic, pipeline, mesh) => {
+                    last.casters.end += 1;
+                }
+                _ => batches.push(Batch { pipeline, material, mesh, casters: first..first + 1, dynamic }),
             }
         }
-        Self { batches, casters, caster_of, moves: 0 }
+        Self { batches, casters, caster_of, first_dynamic, moves: Moves::default() }
     }
 
     pub(super) fn count(&self) -> usize {
         self.casters.len()
     }
 
-    /// How often any of them was moved.
-    pub(super) fn moves(&self) -> u64 {
+    /// How often they were moved.
+    pub(super) fn moves(&self) -> Moves {
         self.moves
     }
 
     /// Moves an element of `Scene::instances`; returns its new bounds if it casts shadows.
     pub(super) fn set(&mut self, instance: usize, world_from_object: &Mat4) -> Option<&Aabb> {
-        let caster = &mut self.casters[self.caster_of[instance]?];
+        let index = self.caster_of[instance]?;
+        let caster = &mut self.casters[index];
         caster.data = convert::instance(world_from_object);
         caster.bounds_world = caster.bounds_object.transformed(world_from_object);
         caster.moves += 1;
-        self.moves += 1;
+        match index < self.first_dynamic {
+            true => self.moves.fixed += 1,
+            false => self.moves.dynamic += 1,
+        }
         Some(&caster.bounds_world)
+    }
+
+    /// How many these are.
+    pub(super) fn count_of(&self, which: Which) -> usize {
+        match which {
+            Which::All => self.casters.len(),
+            Which::Fixed => self.first_dynamic,
+            Which::Dynamic => self.casters.len() - self.first_dynamic,
+        }
+    }
+
+    /// The part of a tile that dynamic casters cover in this view.
+    pub(super) fn dynamic_area(&self, view: &ShadowView, texels: u32) -> TexelArea {
+        let volume = view.volume();
+        let seen = self.casters[self.first_dynamic..].iter().filter(|c| !volume.misses(&c.bounds_world));
+        let areas = seen.map(|caster| view.area(&caster.bounds_world, texels));
+        areas.fold(TexelArea::default(), TexelArea::union)
     }
 
     /// What is in the instance buffer.
@@ -106,8 +156,13 @@ impl Casters {
     }
 
     /// Calls `draw` with every longest run of casters of a batch (with its index) that may be in the view.
-    pub(super) fn in_view(&self, view: &Frustum, mut draw: impl FnMut(usize, &Batch, Range<usize>)) {
-        for (index, batch) in self.batches.iter().enumerate() {
+    pub(super) fn in_view(
+        &self,
+        view: &ShadowVolume,
+        which: Which,
+        mut draw: impl FnMut(usize, &Batch, Range<usize>),
+    ) {
+        for (index, batch) in self.batches.iter().enumerate().filter(|(_, batch)| which.has(batch)) {
             let mut next = batch.casters.start;
             while let Some(run) = self.run(view, next..batch.casters.end) {
                 next = run.end;
@@ -117,22 +172,28 @@ impl Casters {
     }
 
     /// The first run of casters among these that may be in the view.
-    fn run(&self, view: &Frustum, range: Range<usize>) -> Option<Range<usize>> {
-        let seen = |i: &usize| !view.misses_aabb(&self.casters[*i].bounds_world);
+    fn run(&self, view: &ShadowVolume, range: Range<usize>) -> Option<Range<usize>> {
+        let seen = |i: &usize| !view.misses(&self.casters[*i].bounds_world);
         let first = range.clone().find(seen)?;
         let end = (first + 1..range.end).find(|i| !seen(i)).unwrap_or(range.end);
         Some(first..end)
     }
 
-    /// A number that differs (but for one chance in 2^64) if other casters are in the view, or one of them was moved: FNV-1a
-    /// (Fowler, Noll and Vo 1991) over the casters' numbers and moves.
-    pub(super) fn signature(&self, view: &Frustum) -> u64 {
+    /// What differs (but for one chance in 2^64) if other casters are in the view, or one of them was moved.
+    pub(super) fn signature(&self, view: &ShadowVolume) -> Signature {
+        let (fixed, _) = self.hash(view, 0..self.first_dynamic);
+        let (dynamic, seen) = self.hash(view, self.first_dynamic..self.casters.len());
+        Signature { fixed, dynamic: seen.then_some(dynamic) }
+    }
+
+    /// FNV-1a (Fowler, Noll and Vo 1991) over the numbers and moves of those of these casters that are in the view, and
+    /// whether there are any.
+    fn hash(&self, view: &ShadowVolume, range: Range<usize>) -> (u64, bool) {
         const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
         const PRIME: u64 = 0x0000_0100_0000_01b3;
-        let seen = self.casters.iter().enumerate().filter(|(_, c)| !view.misses_aabb(&c.bounds_world));
-        let words = seen.flat_map(|(i, caster)| [i as u64, caster.moves]);
-        words
-            .flat_map(u64::to_le_bytes)
-            .fold(BASIS, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
+        let seen = range.filter(|&i| !view.misses(&self.casters[i].bounds_world));
+        let words = seen.flat_map(|i| [i as u64, self.casters[i].moves]);
+        let bytes = words.flat_map(u64::to_le_bytes);
+        bytes.fold((BASIS, false), |(hash, _), byte| ((hash ^ u64::from(byte)).wrapping_mul(PRIME), true))
     }
 }

@@ -4,10 +4,13 @@ use ash::vk;
 
 use super::super::scene_data::SceneData;
 use super::super::shared::{InstanceData, ShadowPush, ShadowViewData};
-use super::super::{IndexWidth, Recorder, View};
-use super::casters::Batch;
+use super::super::{Image, IndexWidth, Owned, Recorder, View};
+use super::casters::{Batch, Which};
+use super::static_map::StaticMap;
+use super::tiles::{Chosen, How};
 use super::{RecordedShadows, Shadows};
-use crate::visible::{Frustum, ShadowView};
+use crate::plan::Tile;
+use crate::visible::{ShadowView, TexelArea};
 
 /// A depth beyond all that is drawn: nothing is moved to it.
 const NO_NEAREST_DEPTH: f32 = f32::MAX;
@@ -24,38 +27,133 @@ impl Shadows {
         aspect: f64,
         data: &SceneData,
     ) -> RecordedShadows {
-        let Self { lights, tiles, bounds_world, casters, .. } = self;
+        let Self { lights, tiles, bounds_world, casters, map, .. } = self;
         let moves = casters.moves();
-        let signature = |view: &ShadowView| casters.signature(&Frustum::new(&view.casters_clip_from_world()));
+        let signature = |view: &ShadowView| casters.signature(&view.volume());
         for light in lights.iter() {
             light.views(view.camera, aspect, bounds_world, |tile, view| {
-                tiles.want(tile, view, moves, signature)
+                tiles.want(tile, view, moves, signature);
             });
         }
-        let waiting = self.tiles.choose(self.most_tiles);
+        let keeps_static = |tile| map.lights.iter().any(|l| l.keeps_static && l.tiles.contains(&tile));
+        let waiting = tiles.choose(self.most_tiles, keeps_static);
         let mut recorded = RecordedShadows { waiting, ..RecordedShadows::default() };
         if !self.tiles.chosen().is_empty() {
             let _label = recorder.label("shadows");
             self.write_instances(slot);
-            self.begin(recorder, slot);
-            let mut bound = Bound::default();
-            for &tile in self.tiles.chosen() {
-                self.draw_tile(recorder, data, tile, &mut bound, &mut recorded);
-            }
-            self.end(recorder);
-            self.in_use = true;
+            self.draw_static(recorder, slot, data, &mut recorded);
+            self.draw_tiles(recorder, slot, data, &mut recorded);
         }
         self.write_views(slot);
         recorded
     }
 
+    /// Draws what is missing of the static map.
+    fn draw_static(
+        &mut self,
+        recorder: &Recorder<'_>,
+        slot: usize,
+        data: &SceneData,
+        recorded: &mut RecordedShadows,
+    ) {
+        let missing = |chosen: &&Chosen| matches!(chosen.how, How::Composed { fixed: true, .. });
+        let chosen = self.tiles.chosen();
+        let Some(map) = self.static_map.as_ref().filter(|_| chosen.iter().any(|c| missing(&c))) else {
+            return;
+        };
+        begin(recorder, &map.image, map.in_use);
+        self.bind_instances(recorder, slot);
+        let mut bound = Bound::default();
+        for &Chosen { tile, .. } in chosen.iter().filter(missing) {
+            let (framebuffer, area) = (&map.framebuffer, self.whole(tile));
+            let target = Target { tile, framebuffer, area, copied: None, which: Which::Fixed };
+            self.draw_tile(recorder, slot, data, &target, &mut bound, recorded);
+            recorded.static_tiles += 1;
+        }
+        end(recorder, &map.image);
+        self.static_map.iter_mut().for_each(|map| map.in_use = true);
+    }
+
+    fn draw_tiles(
+        &mut self,
+        recorder: &Recorder<'_>,
+        slot: usize,
+        data: &SceneData,
+        recorded: &mut RecordedShadows,
+    ) {
+        begin(recorder, &self.resources.image, self.in_use);
+        self.bind_instances(recorder, slot);
+        let mut bound = Bound::default();
+        for index in 0..self.tiles.chosen().len() {
+            let Chosen { tile, how } = self.tiles.chosen()[index];
+            let texels = self.map.tiles[tile].texels;
+            let dynamic = self
+                .tiles
+                .shown(tile)
+                .map(|view| self.casters.dynamic_area(view, texels))
+                .unwrap_or_default();
+            let changed = self.tiles.set_dynamic(tile, dynamic);
+            let (which, copied, area) = match how {
+                How::Whole => (Which::All, None, self.whole(tile)),
+                How::Composed { rest_stays: false, .. } => {
+                    (Which::Dynamic, self.static_map.as_ref(), self.whole(tile))
+                }
+                How::Composed { rest_stays: true, .. } => {
+                    (Which::Dynamic, self.static_map.as_ref(), self.part(tile, changed))
+                }
+            };
+            let target = Target { tile, framebuffer: &self.framebuffer, area, copied, which };
+            self.draw_tile(recorder, slot, data, &target, &mut bound, recorded);
+            if copied.is_some() {
+                recorded.composed += 1;
+                recorded.copied_bytes += self.bytes(area);
+            }
+            recorded.tiles += 1;
+        }
+        end(recorder, &self.resources.image);
+        self.in_use = true;
+    }
+
+    /// A tile's place in the map.
+    fn whole(&self, tile: usize) -> vk::Rect2D {
+        let Tile { x, y, texels } = self.map.tiles[tile];
+        vk::Rect2D {
+            offset: vk::Offset2D { x: x as i32, y: y as i32 },
+            extent: vk::Extent2D { width: texels, height: texels },
+        }
+    }
+
+    /// The place of a part of a tile, no smaller than what the device draws at a time.
+    fn part(&self, tile: usize, part: TexelArea) -> vk::Rect2D {
+        let Tile { x, y, texels } = self.map.tiles[tile];
+        let origin = [x, y];
+        let begin = |axis: usize| {
+            let step = self.granularity[axis].max(1);
+            ((origin[axis] + part.min[axis]) / step * step).max(origin[axis])
+        };
+        let end = |axis: usize| {
+            let end = origin[axis] + part.max[axis].max(part.min[axis] + 1);
+            end.next_multiple_of(self.granularity[axis].max(1)).min(origin[axis] + texels)
+        };
+        let ([x, y], [right, bottom]) = ([begin(0), begin(1)], [end(0), end(1)]);
+        vk::Rect2D {
+            offset: vk::Offset2D { x: x as i32, y: y as i32 },
+            extent: vk::Extent2D { width: right - x, height: bottom - y },
+        }
+    }
+
+    fn bytes(&self, area: vk::Rect2D) -> u64 {
+        let texels = u64::from(area.extent.width) * u64::from(area.extent.height);
+        texels * u64::from(self.map.format.bytes())
+    }
+
     /// Brings the slot's casters up to date.
     fn write_instances(&mut self, slot: usize) {
         let (buffer, moves) = &mut self.instances[slot];
-        if *moves != self.casters.moves() {
+        if *moves != Some(self.casters.moves()) {
             let content: &mut [InstanceData] = bytemuck::cast_slice_mut(buffer.mapped_mut());
             content.iter_mut().zip(self.casters.data()).for_each(|(to, from)| *to = from);
-            *moves = self.casters.moves();
+            *moves = Some(self.casters.moves());
         }
     }
 
@@ -71,21 +169,7 @@ impl Shadows {
         }
     }
 
-    /// From being sampled to being drawn.
-    fn begin(&self, recorder: &Recorder<'_>, slot: usize) {
-        let old = match self.in_use {
-            true => vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
-            false => vk::ImageLayout::UNDEFINED,
-        };
-        let depth = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-        let access =
-            vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_READ | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE;
-        // Earlier reads need the order of execution only; what earlier frames drew, they made visible themselves.
-        self.barrier(
-            recorder,
-            (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::empty(), old),
-            (DEPTH_STAGES, access, depth),
-        );
+    fn bind_instances(&self, recorder: &Recorder<'_>, slot: usize) {
         let (device, raw) = (recorder.device().raw(), recorder.raw());
         let (point, layout) = (vk::PipelineBindPoint::GRAPHICS, self.pipelines.layouts[0].layout.raw());
         // SAFETY: recording; the set was allocated with the layout's first set layout, which all caster layouts share.
@@ -94,69 +178,19 @@ impl Shadows {
         };
     }
 
-    /// From being drawn to being sampled.
-    fn end(&self, recorder: &Recorder<'_>) {
-        self.barrier(
-            recorder,
-            (
-                DEPTH_STAGES,
-                vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE,
-                vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
-            ),
-            (
-                vk::PipelineStageFlags::FRAGMENT_SHADER,
-                vk::AccessFlags::SHADER_READ,
-                vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
-            ),
-        );
-    }
-
-    fn barrier(
-        &self,
-        recorder: &Recorder<'_>,
-        (src_stages, src_access, old): (vk::PipelineStageFlags, vk::AccessFlags, vk::ImageLayout),
-        (dst_stages, dst_access, new): (vk::PipelineStageFlags, vk::AccessFlags, vk::ImageLayout),
-    ) {
-        let barrier = vk::ImageMemoryBarrier::default()
-            .src_access_mask(src_access)
-            .dst_access_mask(dst_access)
-            .old_layout(old)
-            .new_layout(new)
-            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-            .image(self.resources.image.raw())
-            .subresource_range(self.resources.image.range());
-        let none = vk::DependencyFlags::empty();
-        // SAFETY: recording, outside of a render pass; the image is alive.
-        unsafe {
-            recorder.device().raw().cmd_pipeline_barrier(
-                recorder.raw(),
-                src_stages,
-                dst_stages,
-                none,
-                &[],
-                &[],
-                &[barrier],
-            );
-        }
-    }
-
     fn draw_tile(
         &self,
         recorder: &Recorder<'_>,
+        slot: usize,
         data: &SceneData,
-        tile: usize,
+        target: &Target<'_>,
         bound: &mut Bound,
         recorded: &mut RecordedShadows,
     ) {
-        let Some(view) = self.tiles.shown(tile) else { return };
+        let Some(view) = self.tiles.shown(target.tile) else { return };
         let (device, raw) = (recorder.device().raw(), recorder.raw());
-        let place = &self.map.tiles[tile];
+        let place = &self.map.tiles[target.tile];
         let side = place.texels as f32;
-        let area = vk::Rect2D {
-            offset: vk::Offset2D { x: place.x as i32, y: place.y as i32 },
-            extent: vk::Extent2D { width: place.texels, height: place.texels },
-        };
         let viewport = vk::Viewport {
             x: place.x as f32,
             y: place.y as f32,
@@ -167,33 +201,39 @@ impl Shadows {
         };
         let info = vk::RenderPassBeginInfo::default()
             .render_pass(self.pass.raw())
-            .framebuffer(self.framebuffer.raw())
-            .render_area(area);
+            .framebuffer(target.framebuffer.raw())
+            .render_area(target.area);
         let push = ShadowPush {
             clip_from_world: view.clip_from_world.to_cols_array_2d(),
             nearest_depth: if view.pancaked { 1.0 } else { NO_NEAREST_DEPTH },
         };
-        // SAFETY: recording, outside of a render pass; the area is inside the framebuffer, which was made for the pass; all
-        // layouts have the same push constants.
+        // SAFETY: recording, outside of a render pass; the area is inside the framebuffer, which was made for the pass.
         unsafe {
             device.cmd_begin_render_pass(raw, &info, vk::SubpassContents::INLINE);
             device.cmd_set_viewport(raw, 0, &[viewport]);
-            device.cmd_set_scissor(raw, 0, &[area]);
-            let layout = self.pipelines.layouts[0].layout.raw();
-            device.cmd_push_constants(
-                raw,
-                layout,
-                vk::ShaderStageFlags::VERTEX,
-                0,
-                bytemuck::bytes_of(&push),
-            );
-            device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::GRAPHICS, self.pipelines.clear.raw());
-            device.cmd_draw(raw, 3, 1, 0, 0);
+            device.cmd_set_scissor(raw, 0, &[target.area]);
         }
+        let point = vk::PipelineBindPoint::GRAPHICS;
+        match target.copied {
+            Some(map) => {
+                map.draw_copy(recorder);
+                // The copy has descriptors of its own.
+                self.bind_instances(recorder, slot);
+                bound.material = None;
+            }
+            // SAFETY: the pipeline was made for this pass; the triangle reads no vertices and no descriptors.
+            None => unsafe {
+                device.cmd_bind_pipeline(raw, point, self.pipelines.clear.raw());
+                device.cmd_draw(raw, 3, 1, 0, 0);
+            },
+        }
+        let (layout, stages) = (self.pipelines.layouts[0].layout.raw(), vk::ShaderStageFlags::VERTEX);
+        // SAFETY: recording; all casters' layouts have the same push constants.
+        unsafe { device.cmd_push_constants(raw, layout, stages, 0, bytemuck::bytes_of(&push)) };
         bound.pipeline = None;
         recorded.draws += 1;
-        let frustum = Frustum::new(&view.casters_clip_from_world());
-        self.casters.in_view(&frustum, |index, batch, run| {
+        let mut drawn = 0;
+        self.casters.in_view(&view.volume(), target.which, |index, batch, run| {
             self.bind(recorder, data, index, batch, bound);
             let range = &data.geometry().meshes()[batch.mesh];
             let (count, first) = (run.len() as u32, run.start as u32);
@@ -209,12 +249,13 @@ impl Shadows {
                 );
             }
             recorded.draws += 1;
-            recorded.casters += run.len();
+            drawn += run.len();
         });
         // SAFETY: the pass is being recorded.
         unsafe { device.cmd_end_render_pass(raw) };
-        recorded.tiles += 1;
-        recorded.stored_bytes += self.map.tile_bytes(tile);
+        recorded.casters += drawn;
+        recorded.culled += self.casters.count_of(target.which) - drawn;
+        recorded.stored_bytes += self.bytes(target.area);
     }
 
     /// Binds what a batch's draws read, unless it is bound already.
@@ -265,6 +306,65 @@ const DEPTH_STAGES: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw(
     vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS.as_raw()
         | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS.as_raw(),
 );
+
+/// A tile, or a part of it, to be drawn.
+struct Target<'a> {
+    tile: usize,
+    /// Of the shadow map or of the static map.
+    framebuffer: &'a Owned<vk::Framebuffer>,
+    /// What of the map is drawn.
+    area: vk::Rect2D,
+    /// What it begins as a copy of; `None`: as far away as can be.
+    copied: Option<&'a StaticMap>,
+    /// What is drawn into it.
+    which: Which,
+}
+
+/// From being sampled to being drawn.
+fn begin(recorder: &Recorder<'_>, image: &Image, in_use: bool) {
+    let old = match in_use {
+        true => vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+        false => vk::ImageLayout::UNDEFINED,
+    };
+    let depth = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+    let access =
+        vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_READ | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE;
+    // Earlier reads need the order of execution only; what earlier frames drew, they made visible themselves.
+    let earlier = (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::empty(), old);
+    barrier(recorder, image, earlier, (DEPTH_STAGES, access, depth));
+}
+
+/// From being drawn to being sampled.
+fn end(recorder: &Recorder<'_>, image: &Image) {
+    let (write, layout) =
+        (vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE, vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL);
+    let (stage, layout_read) =
+        (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+    let later = (stage, vk::AccessFlags::SHADER_READ, layout_read);
+    barrier(recorder, image, (DEPTH_STAGES, write, layout), later);
+}
+
+type Use = (vk::PipelineStageFlags, vk::AccessFlags, vk::ImageLayout);
+
+fn barrier(
+    recorder: &Recorder<'_>,
+    image: &Image,
+    (src_stages, src_access, old): Use,
+    (dst_stages, dst_access, new): Use,
+) {
+    let barrier = vk::ImageMemoryBarrier::default()
+        .src_access_mask(src_access)
+        .dst_access_mask(dst_access)
+        .old_layout(old)
+        .new_layout(new)
+        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .image(image.raw())
+        .subresource_range(image.range());
+    let (device, raw, none) = (recorder.device().raw(), recorder.raw(), vk::DependencyFlags::empty());
+    // SAFETY: recording, outside of a render pass; the image is alive.
+    unsafe { device.cmd_pipeline_barrier(raw, src_stages, dst_stages, none, &[], &[], &[barrier]) };
+}
 
 /// What is bound while casters are drawn, in all tiles of a frame.
 #[derive(Default)]

@@ -1,12 +1,15 @@
 //! Shadow maps: one depth image in tiles, drawn before the main pass where something changed, sampled by what lights surfaces.
 //!
 //! Tiles are kept from frame to frame. One is drawn again when its view is another (the light was changed, or the camera has
-//! left a cascade's lattice cell), and then all of it: a tiler clears it on the tile, loads nothing and stores it once.
+//! left a cascade's lattice cell) or what stands still was moved, and then all of it: a tiler clears it on the tile, loads
+//! nothing and stores it once. Where only dynamic casters have moved, no more is drawn than the part of the tile that they
+//! have left or entered: it begins as a copy of the static map, and has nothing but them drawn into it.
 
 mod casters;
 mod draw;
 mod lights;
 mod pipelines;
+mod static_map;
 mod tiles;
 
 use ash::vk;
@@ -25,8 +28,10 @@ use crate::visible::ShadowShape;
 use crate::{Error, Result};
 use casters::{Batch, Casters};
 use lights::LightViews;
-use pipelines::{CasterPipelines, tile_pass};
-use tiles::Tiles;
+use pipelines::{Builder, CasterPipelines, tile_pass};
+pub(super) use pipelines::{caster_bindings, caster_input, caster_modules};
+use static_map::StaticMap;
+use tiles::{Moves, Tiles};
 
 /// What lighting reads: the map and where its tiles are.
 pub(super) struct ShadowResources {
@@ -41,24 +46,36 @@ pub(super) struct ShadowResources {
 pub struct RecordedShadows {
     /// Tiles that were drawn; the others were kept.
     pub tiles: usize,
+    /// Of these, tiles of which no more was drawn than where dynamic casters moved, over a copy of what stands still.
+    pub composed: usize,
+    /// Tiles of the static map that were drawn.
+    pub static_tiles: usize,
     /// Tiles that should have been drawn, but had to wait ([`super::RendererConfig::shadow_tiles_per_frame`]).
     pub waiting: usize,
     /// Draw calls.
     pub draws: usize,
     /// Casters drawn, once for each tile.
     pub casters: usize,
-    /// Bytes of the map that were stored.
+    /// Casters that were not, because they are out of a tile's view or beyond its light's range.
+    pub culled: usize,
+    /// Bytes of the map, and of the static one, that were stored.
     pub stored_bytes: u64,
+    /// Bytes of the static map that were copied.
+    pub copied_bytes: u64,
 }
 
 impl RecordedShadows {
     pub(super) fn figures(self) -> ShadowFigures {
         ShadowFigures {
             tiles_drawn: self.tiles,
+            tiles_composed: self.composed,
+            static_tiles_drawn: self.static_tiles,
             tiles_waiting: self.waiting,
             draws: self.draws,
             casters: self.casters,
+            casters_culled: self.culled,
             stored_bytes: planned_bytes(self.stored_bytes),
+            copied_bytes: planned_bytes(self.copied_bytes),
         }
     }
 }
@@ -128,10 +145,13 @@ pub(super) struct Shadows {
     instance_sets: DescriptorSets,
     material_sets: Option<DescriptorSets>,
     pipelines: CasterPipelines,
+    static_map: Option<StaticMap>,
     framebuffer: Owned<vk::Framebuffer>,
     pass: Owned<vk::RenderPass>,
+    /// What areas of the pass are best multiples of, texels.
+    granularity: [u32; 2],
     /// One a frame slot, with the moves that it knows of.
-    instances: Vec<(Buffer, u64)>,
+    instances: Vec<(Buffer, Option<Moves>)>,
     resources: ShadowResources,
     /// Of each batch of casters, its set among `material_sets`.
     material_set_of: Vec<Option<usize>>,
@@ -159,16 +179,12 @@ impl Shadows {
         cache: &PipelineCache,
     ) -> Result<Self> {
         let pass = tile_pass(device, conv::format(map.format))?;
-        let pipelines = CasterPipelines::new(device, map, &pass, cache)?;
-        let views = [resources.image.view()];
-        let info = vk::FramebufferCreateInfo::default()
-            .render_pass(pass.raw())
-            .attachments(&views)
-            .width(map.size[0])
-            .height(map.size[1])
-            .layers(1);
-        // SAFETY: the view is alive and of the format that the pass was made from.
-        let framebuffer = unsafe { device.create_framebuffer(&info, "shadow map") }?;
+        // SAFETY: the pass is alive.
+        let granularity = unsafe { device.raw().get_render_area_granularity(pass.raw()) };
+        let builder = Builder { device, pass: &pass, cache };
+        let pipelines = CasterPipelines::new(map, &builder)?;
+        let static_map = map.has_static_map.then(|| StaticMap::new(device, map, &builder)).transpose()?;
+        let framebuffer = builder.framebuffer(&resources.image, map.size)?;
         let casters = Casters::new(scene, map);
         let bytes = (casters.count() * size_of::<InstanceData>()) as u64;
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -191,9 +207,11 @@ impl Shadows {
             instance_sets,
             material_sets,
             pipelines,
+            static_map,
             framebuffer,
             pass,
-            instances: instances.into_iter().map(|buffer| (buffer, u64::MAX)).collect(),
+            granularity: [granularity.width, granularity.height],
+            instances: instances.into_iter().map(|buffer| (buffer, None)).collect(),
             resources,
             material_set_of,
             map: map.clone(),
@@ -252,11 +270,13 @@ impl Shadows {
     pub(super) fn redraw(&mut self) {
         self.tiles.forget();
         self.in_use = false;
+        self.static_map.iter_mut().for_each(|map| map.in_use = false);
     }
 
     /// Device memory of the map and of what it is drawn with.
     pub(super) fn allocated_bytes(&self) -> u64 {
         self.resources.allocated_bytes()
+            + self.static_map.as_ref().map_or(0, StaticMap::allocated_bytes)
             + self.instances.iter().map(|(b, _)| b.allocated_bytes()).sum::<u64>()
     }
 }

@@ -6,7 +6,7 @@ use super::super::descriptor::{Binding, set_layout};
 use super::super::pipeline::shader_module;
 use super::super::shader::{GeometryConstants, Module, Specialization, TextureSlot, VertexConstants, shared};
 use super::super::shared::ShadowPush;
-use super::super::{Called, Device, Owned, PipelineCache, texel_bytes};
+use super::super::{Called, Device, Image, Owned, PipelineCache, texel_bytes};
 use crate::Result;
 use crate::plan::{CasterKind, CasterMask, ShadowMap};
 
@@ -59,36 +59,23 @@ pub(super) struct CasterPipelines {
 }
 
 impl CasterPipelines {
-    pub(super) fn new(
-        device: &Device,
-        map: &ShadowMap,
-        pass: &Owned<vk::RenderPass>,
-        cache: &PipelineCache,
-    ) -> Result<Self> {
-        let layouts: Vec<_> =
-            map.casters.iter().map(|k| CasterLayout::new(device, k)).collect::<Result<_>>()?;
-        let builder = Builder { device, pass, cache };
+    pub(super) fn new(map: &ShadowMap, builder: &Builder<'_>) -> Result<Self> {
+        let layout = |kind| CasterLayout::new(builder.device, kind);
+        let layouts: Vec<_> = map.casters.iter().map(layout).collect::<Result<_>>()?;
         let all = map.casters.iter().zip(&layouts);
         let pipelines = all.map(|(kind, layout)| builder.caster(kind, layout)).collect::<Result<_>>()?;
-        Ok(Self { pipelines, clear: builder.clear(&layouts[0])?, layouts })
+        Ok(Self { pipelines, clear: builder.base(None, &layouts[0].layout, "shadow clear")?, layouts })
     }
 }
 
 impl CasterLayout {
     fn new(device: &Device, kind: &CasterKind) -> Result<Self> {
-        use vk::{DescriptorType as T, ShaderStageFlags as S};
-        let instances = (const { shared("BINDING_INSTANCES") }, T::STORAGE_BUFFER, 1, S::VERTEX);
-        let mut bindings = vec![vec![instances]];
-        if let Some(mask) = kind.mask {
-            let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
-            let texture = (const { shared("BINDING_TEXTURES") }, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT);
-            bindings.push(std::iter::once(numbers).chain(mask.textured.then_some(texture)).collect());
-        }
+        let bindings = caster_bindings(kind);
         let sets: Vec<_> =
             bindings.iter().map(|b| set_layout(device, b, "shadow caster")).collect::<Result<_>>()?;
         let raw: Vec<_> = sets.iter().map(Owned::raw).collect();
         let push = [vk::PushConstantRange {
-            stage_flags: S::VERTEX,
+            stage_flags: vk::ShaderStageFlags::VERTEX,
             offset: 0,
             size: size_of::<ShadowPush>() as u32,
         }];
@@ -99,17 +86,27 @@ impl CasterLayout {
     }
 }
 
-struct Builder<'a> {
-    device: &'a Device,
-    pass: &'a Owned<vk::RenderPass>,
-    cache: &'a PipelineCache,
+/// Makes what the pass needs.
+pub(super) struct Builder<'a> {
+    pub(super) device: &'a Device,
+    pub(super) pass: &'a Owned<vk::RenderPass>,
+    pub(super) cache: &'a PipelineCache,
 }
 
 impl Builder<'_> {
+    pub(super) fn framebuffer(&self, image: &Image, size: [u32; 2]) -> Result<Owned<vk::Framebuffer>> {
+        let views = [image.view()];
+        let info = vk::FramebufferCreateInfo::default()
+            .render_pass(self.pass.raw())
+            .attachments(&views)
+            .width(size[0])
+            .height(size[1])
+            .layers(1);
+        // SAFETY: the view is alive and of the format that the pass was made from.
+        unsafe { self.device.create_framebuffer(&info, "shadow map") }
+    }
+
     fn caster(&self, kind: &CasterKind, layout: &CasterLayout) -> Result<Owned<vk::Pipeline>> {
-        let mask = kind.mask.as_ref();
-        let constants = mask.map(mask_constants).unwrap_or_default();
-        let modules = (Module::ShadowVertex, mask.map(|_| Module::Mask));
         // As the main pass draws it: faces that point away from the light cast no shadow, unless both sides exist. Depth is
         // reversed, so away from the light is down.
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
@@ -123,33 +120,38 @@ impl Builder<'_> {
             .depth_bias_constant_factor(-CONSTANT_BIAS)
             .depth_bias_slope_factor(-SLOPE_BIAS)
             .line_width(1.0);
-        let input = vertex_input(kind.mask.as_ref())?;
+        let input = caster_input(kind.mask.as_ref())?;
         let (compare, name) = (vk::CompareOp::GREATER, format!("shadow caster, {kind}"));
-        self.build(modules, &constants, &input, &raster, compare, layout, &name)
+        self.build(&caster_modules(kind), &input, &raster, compare, &layout.layout, &name)
     }
 
-    fn clear(&self, layout: &CasterLayout) -> Result<Owned<vk::Pipeline>> {
+    /// What a tile begins with: one triangle that is as far away as can be, or where its fragment shader says.
+    pub(super) fn base(
+        &self,
+        fragment: Option<Module>,
+        layout: &Owned<vk::PipelineLayout>,
+        name: &str,
+    ) -> Result<Owned<vk::Pipeline>> {
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .polygon_mode(vk::PolygonMode::FILL)
             .cull_mode(vk::CullModeFlags::NONE)
             .line_width(1.0);
         let (input, always) = (VertexInput::default(), vk::CompareOp::ALWAYS);
-        let modules = (Module::Fullscreen, None);
-        self.build(modules, &Specialization::default(), &input, &raster, always, layout, "shadow clear")
+        let modules = (Module::Fullscreen, fragment, Specialization::default());
+        self.build(&modules, &input, &raster, always, layout, name)
     }
 
     #[allow(clippy::too_many_arguments, reason = "what sets the two kinds of pipelines apart")]
     fn build(
         &self,
-        (vertex, fragment): (Module, Option<Module>),
-        constants: &Specialization,
+        (vertex, fragment, constants): &(Module, Option<Module>, Specialization),
         (bindings, attributes): &VertexInput,
         raster: &vk::PipelineRasterizationStateCreateInfo<'_>,
         compare: vk::CompareOp,
-        layout: &CasterLayout,
+        layout: &Owned<vk::PipelineLayout>,
         name: &str,
     ) -> Result<Owned<vk::Pipeline>> {
-        let vertex = shader_module(self.device, vertex, constants)?;
+        let vertex = shader_module(self.device, *vertex, constants)?;
         let fragment = fragment.map(|module| shader_module(self.device, module, constants)).transpose()?;
         let stage = |stage, module: &Owned<vk::ShaderModule>| {
             vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw()).name(c"main")
@@ -180,12 +182,12 @@ impl Builder<'_> {
             .multisample_state(&multisample)
             .depth_stencil_state(&depth)
             .dynamic_state(&dynamic)
-            .layout(layout.layout.raw())
+            .layout(layout.raw())
             .render_pass(self.pass.raw())
             .subpass(0);
         let device = self.device;
         // SAFETY: everything that `info` points to outlives the call, and the modules match the layout (a test compares
-        // both with the shared header).
+        // them).
         let created =
             unsafe { device.raw().create_graphics_pipelines(self.cache.raw(), &[info], device.callbacks()) };
         let raw = created.map_err(|(_, result)| result).called("vkCreateGraphicsPipelines")?;
@@ -193,8 +195,10 @@ impl Builder<'_> {
     }
 }
 
-/// What cuts a mask: the first and only texture of its descriptors is the base colour.
-fn mask_constants(mask: &CasterMask) -> Specialization {
+/// Vertex and fragment shader of a caster, the latter for masks, and what they are specialised with. The first and only
+/// texture of a mask's descriptors is the base colour.
+pub(in crate::gpu) fn caster_modules(kind: &CasterKind) -> (Module, Option<Module>, Specialization) {
+    let Some(mask) = &kind.mask else { return (Module::ShadowVertex, None, Specialization::default()) };
     let base_color = mask.textured.then_some(TextureSlot {
         slot: 0,
         second_texcoord: mask.second_texcoord,
@@ -208,13 +212,27 @@ fn mask_constants(mask: &CasterMask) -> Specialization {
         vertex_color: mask.vertex_color,
         ..GeometryConstants::default()
     };
-    vertex.specialization().and(fragment.specialization())
+    (Module::ShadowVertex, Some(Module::Mask), vertex.specialization().and(fragment.specialization()))
 }
 
-type VertexInput = (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>);
+/// What a caster's shaders read: the instances, and a mask's material.
+pub(in crate::gpu) fn caster_bindings(kind: &CasterKind) -> Vec<Vec<Binding>> {
+    use vk::{DescriptorType as T, ShaderStageFlags as S};
+    let instances = (const { shared("BINDING_INSTANCES") }, T::STORAGE_BUFFER, 1, S::VERTEX);
+    let mut bindings = vec![vec![instances]];
+    if let Some(mask) = kind.mask {
+        let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
+        let texture = (const { shared("BINDING_TEXTURES") }, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT);
+        bindings.push(std::iter::once(numbers).chain(mask.textured.then_some(texture)).collect());
+    }
+    bindings
+}
+
+pub(in crate::gpu) type VertexInput =
+    (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>);
 
 /// Positions, and what a mask reads, each a stream of its own.
-fn vertex_input(mask: Option<&CasterMask>) -> Result<VertexInput> {
+pub(in crate::gpu) fn caster_input(mask: Option<&CasterMask>) -> Result<VertexInput> {
     const POSITION: (u32, vk::Format) = (shared("ATTRIBUTE_POSITION"), vk::Format::R32G32B32_SFLOAT);
     let texcoords = mask.filter(|m| m.textured).map(|m| {
         let both = m.both_texcoords;

@@ -6,7 +6,7 @@
 //! | `fog` | the scene | `{"density": number, "color": [r, g, b], "base": number, "scale": number}`; the last two belong together and may be left out ([`Fog`]) |
 //! | `lightmap` | the scene | `{"color_image": index, "scale_image": index, "unit_lx": number}` ([`Lightmap`]) |
 //! | `lightmap` | nodes | `[x, y, width, height]`, texture coordinates ([`LightmapRect`]); `false`: it shall have none |
-//! | `dynamic` | nodes | `true` or `false` ([`Instance::dynamic`](crate::scene::Instance::dynamic)) |
+//! | `dynamic` | nodes | `true` or `false`; nodes below have it too ([`Instance::dynamic`](crate::scene::Instance::dynamic)) |
 
 use glam::{Vec2, Vec3};
 use gltf::json;

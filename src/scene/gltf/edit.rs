@@ -13,7 +13,7 @@ use super::document::Document;
 use super::light;
 use super::material::Materials;
 use super::mesh::{Budget, Primitive};
-use super::node::{self, NodeTree};
+use super::node::NodeTree;
 use super::source::{self, Container};
 use super::{image, load};
 use crate::scene::Scene;
@@ -110,7 +110,7 @@ impl Edit {
             let never = around::node_lightmap(&doc, node)? == Some(NodeLightmap::Never);
             let world_from_node = tree.world_from_node[node];
             let is_flat = DMat3::from_mat4(world_from_node).determinant() == 0.0;
-            if never || is_flat || node::is_dynamic(&doc, node)? {
+            if never || is_flat || tree.dynamic[node] {
                 continue;
             }
             doc.get(&doc.root.meshes, "meshes", mesh, format!("nodes[{node}].mesh"))?;

@@ -3,7 +3,7 @@
 //! | `extras.ontile` | on | value | without it |
 //! |---|---|---|---|
 //! | `shadow` | all but hemispheres | `true`, `false`, or `{"spread_texels": number, "bias_texels": number}` ([`Shadow`]) | `true` |
-//! | `dynamic` | all | `true` or `false` ([`Light::dynamic`]) | `false` |
+//! | `dynamic` | all | `true` or `false`; nodes below have it too ([`Light::dynamic`]) | `false` |
 //! | `baked` | all | `true` or `false` ([`Light::baked`]) | `false` |
 //! | `priority` | all | number ([`Light::priority`]) | 0 |
 //! | `back_color` | directional | `[r, g, b]`, linear: a second light from behind ([`Light::back_color`]) | none |
@@ -74,7 +74,7 @@ pub fn read_lights(doc: &Document, tree: &NodeTree, materials: &mut Materials) -
             range_m: json.range.filter(|_| matches!(kind, LightKind::Point { .. } | LightKind::Spot { .. })),
             globe_map: globe_map(kind, &extras, materials)?,
             shadow: shadow(kind, &extras)?,
-            dynamic: extras.get("dynamic").map_or(Ok(false), Extra::bool)?,
+            dynamic: tree.dynamic[i] || extras.get("dynamic").map_or(Ok(false), Extra::bool)?,
             baked: extras.get("baked").map_or(Ok(false), Extra::bool)?,
             priority: extras.number_or("priority", 0.0, "", |_| true)?,
             ..Light::new(kind)

@@ -182,7 +182,7 @@ fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &m
                 return Err(doc.bad("nodes", problem, "split the scene into smaller files"));
             }
             let lightmap = lightmaps.of(doc, node_index, &scene.meshes[mesh], materials)?;
-            let dynamic = node::is_dynamic(doc, node_index)?;
+            let dynamic = tree.dynamic[node_index];
             scene.instances.push(Instance { dynamic, lightmap, ..Instance::new(mesh, world_from_object) });
         }
     }

@@ -15,6 +15,8 @@ const REPAIR_TREE: &str = "give each node one parent at most, and list only node
 pub struct NodeTree {
     /// By node; f64 keeps long chains exact enough.
     pub world_from_node: Vec<DMat4>,
+    /// By node: whether it will move, because its extras or those of a node above it say `"dynamic": true`.
+    pub dynamic: Vec<bool>,
     /// Nodes of the default scene, in ascending order.
     pub drawn: Vec<usize>,
 }
@@ -32,6 +34,7 @@ impl NodeTree {
             return Err(doc.bad(format!("nodes[{in_cycle}]"), problem, REPAIR_TREE));
         }
         let mut world_from_node = vec![DMat4::IDENTITY; parents.len()];
+        let mut dynamic = vec![false; parents.len()];
         for &i in &order {
             let local = local_transform(doc, i)?;
             let world = parents[i].map_or(local, |parent| world_from_node[parent] * local);
@@ -40,11 +43,14 @@ impl NodeTree {
                 return Err(doc.bad(format!("nodes[{i}]"), problem, "scale the scene down"));
             }
             world_from_node[i] = world;
+            // What hangs from something that moves, moves.
+            let own = extras(doc, i)?.get("dynamic").map_or(Ok(false), Extra::bool)?;
+            dynamic[i] = own || parents[i].is_some_and(|parent| dynamic[parent]);
         }
         let mut drawn = descendants(doc, scene_roots(doc, &parents)?);
         drawn.sort_unstable();
         drawn.dedup();
-        Ok(Self { world_from_node, drawn })
+        Ok(Self { world_from_node, dynamic, drawn })
     }
 }
 
@@ -148,11 +154,6 @@ pub fn extras_of_scene<'a>(doc: &'a Document<'a>) -> Result<Extras<'a>> {
 /// What the extras of a node say: see [`super::light`] and [`super::around`].
 pub fn extras<'a>(doc: &'a Document<'a>, node: usize) -> Result<Extras<'a>> {
     Extras::read(doc, &[(&doc.root.nodes[node].extras, format!("nodes[{node}]"))], &extras::OF_NODES)
-}
-
-/// Whether a node's extras say that it will move: `"dynamic": true`.
-pub fn is_dynamic(doc: &Document, node: usize) -> Result<bool> {
-    extras(doc, node)?.get("dynamic").map_or(Ok(false), Extra::bool)
 }
 
 /// The cameras of the drawn nodes.
