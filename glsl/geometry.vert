@@ -1,5 +1,5 @@
 #version 450
-// Places a mesh in the world. HAS_*: what fragments read of it.
+// Places a mesh in the world. What fragments do not read is removed when a pipeline is made, and so are its attributes.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
@@ -12,11 +12,6 @@ struct Instance {
 layout(set = SET_FRAME, binding = BINDING_INSTANCES, std430) readonly buffer Instances {
     Instance instances[];
 };
-
-layout(constant_id = ID_HAS_NORMAL) const bool HAS_NORMAL = false;
-layout(constant_id = ID_HAS_TEXCOORD) const bool HAS_TEXCOORD = false;
-layout(constant_id = ID_HAS_TANGENT) const bool HAS_TANGENT = false;
-layout(constant_id = ID_HAS_COLOR) const bool HAS_COLOR = false;
 
 layout(location = ATTRIBUTE_POSITION) in vec3 attribute_position;
 layout(location = ATTRIBUTE_NORMAL) in vec3 attribute_normal;
@@ -49,22 +44,16 @@ void main() {
     vec3 cofactor1 = cross(row2.xyz, row0.xyz);
     vec3 cofactor2 = cross(row0.xyz, row1.xyz);
     float handedness = dot(row0.xyz, cofactor0) < 0.0 ? -1.0 : 1.0;
-    if (HAS_NORMAL) {
-        vec3 normal_world = vec3(
-            dot(cofactor0, attribute_normal), dot(cofactor1, attribute_normal), dot(cofactor2, attribute_normal));
-        varying_normal_world = unit(normal_world * handedness);
-    }
-    if (HAS_TEXCOORD) {
-        varying_texcoord = attribute_texcoord;
-    }
-    if (HAS_TANGENT) {
-        vec3 tangent_world = vec3(
-            dot(row0.xyz, attribute_tangent.xyz), dot(row1.xyz, attribute_tangent.xyz),
-            dot(row2.xyz, attribute_tangent.xyz));
-        // The bitangent is cross(normal, tangent) * w in object space; a mirroring transform turns it round.
-        varying_tangent_world = vec4(unit(tangent_world), attribute_tangent.w * handedness);
-    }
-    if (HAS_COLOR) {
-        varying_color = attribute_color;
-    }
+    vec3 normal_world = vec3(
+        dot(cofactor0, attribute_normal), dot(cofactor1, attribute_normal), dot(cofactor2, attribute_normal));
+    varying_normal_world = unit(normal_world * handedness);
+
+    vec3 tangent_world = vec3(
+        dot(row0.xyz, attribute_tangent.xyz), dot(row1.xyz, attribute_tangent.xyz),
+        dot(row2.xyz, attribute_tangent.xyz));
+    // The bitangent is cross(normal, tangent) * w in object space; a mirroring transform turns it round.
+    varying_tangent_world = vec4(unit(tangent_world), attribute_tangent.w * handedness);
+
+    varying_texcoord = attribute_texcoord;
+    varying_color = attribute_color;
 }

@@ -1,5 +1,5 @@
 #version 450
-// Places a caster in a tile of the shadow map. HAS_*: what an alpha mask reads.
+// Places a caster in a tile of the shadow map. Only alpha masks read more than its position.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 
@@ -17,9 +17,6 @@ layout(push_constant, std430) uniform ShadowPush {
     mat4 clip_from_world;
     float nearest_depth; // what is nearer to the light is drawn at this depth
 } push;
-
-layout(constant_id = ID_HAS_TEXCOORD) const bool HAS_TEXCOORD = false;
-layout(constant_id = ID_HAS_COLOR) const bool HAS_COLOR = false;
 
 layout(location = ATTRIBUTE_POSITION) in vec3 attribute_position;
 layout(location = ATTRIBUTE_TEXCOORD) in vec4 attribute_texcoord;
@@ -39,10 +36,6 @@ void main() {
     gl_Position = push.clip_from_world * position_world;
     gl_Position.z = min(gl_Position.z, gl_Position.w * push.nearest_depth);
 
-    if (HAS_TEXCOORD) {
-        varying_texcoord = attribute_texcoord;
-    }
-    if (HAS_COLOR) {
-        varying_color = attribute_color;
-    }
+    varying_texcoord = attribute_texcoord;
+    varying_color = attribute_color;
 }

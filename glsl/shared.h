@@ -86,17 +86,13 @@
 #define ID_FOG_INVERSE_HEIGHT 34
 #define ID_RGBM 40
 #define ID_SHADOW_FILTER 48
-#define ID_HAS_NORMAL 49
-#define ID_HAS_TEXCOORD 50
-#define ID_HAS_TANGENT 51
-#define ID_HAS_COLOR 52
-#define ID_LIGHT_TARGET 53
-#define ID_AMBIENT 54
-#define ID_ENVIRONMENT 55
-#define ID_CLUSTERS 56
-#define ID_ONE_LIGHT 57
-#define ID_SHADOWS 58
-#define ID_GLOBE_MAPS 59
+#define ID_LIGHT_TARGET 49
+#define ID_AMBIENT 50
+#define ID_ENVIRONMENT 51
+#define ID_CLUSTERS 52
+#define ID_ONE_LIGHT 53
+#define ID_SHADOWS 54
+#define ID_GLOBE_MAPS 55
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

@@ -6,11 +6,12 @@
 mod prune;
 mod specialization;
 
-pub use prune::prune;
+pub use prune::{Pruned, prune};
 pub use specialization::{
     GeometryConstants, LightLoop, LightingConstants, OutputConstants, Specialization, TextureSlot,
-    VertexConstants,
 };
+
+use std::collections::BTreeSet;
 
 use crate::plan::Layout;
 use crate::{Error, Result};
@@ -162,14 +163,6 @@ impl Module {
         })
     }
 
-    /// What specialisation constants leave of it: see [`prune`].
-    ///
-    /// # Errors
-    /// As of [`Self::spirv`] and [`prune`].
-    pub fn specialised(self, constants: &Specialization) -> Result<Vec<u32>> {
-        prune(self.spirv()?, constants)
-    }
-
     /// The compiled module; its entry point is `main`.
     ///
     /// # Errors
@@ -180,6 +173,31 @@ impl Module {
             Error::unsupported(format!("there is no shader module '{name}'"), "run ./tools/shaders")
         })?;
         Ok(bytemuck::cast_slice(&module.0))
+    }
+}
+
+/// The shaders of a pipeline: modules as specialisation constants leave them, linked so that a vertex shader writes no more than
+/// the fragment shader reads.
+#[derive(Clone, Debug)]
+pub struct Shaders {
+    /// SPIR-V of the vertex shader.
+    pub vertex: Vec<u32>,
+    /// SPIR-V of the fragment shader; what only tests depth has none.
+    pub fragment: Option<Vec<u32>>,
+    /// Locations of the vertex attributes that are read.
+    pub attributes: BTreeSet<u32>,
+}
+
+impl Shaders {
+    /// The shaders of a pipeline that consists of these modules.
+    ///
+    /// # Errors
+    /// As of [`Module::spirv`] and [`prune`].
+    pub fn new(vertex: Module, fragment: Option<Module>, constants: &Specialization) -> Result<Self> {
+        let fragment = fragment.map(|module| prune(module.spirv()?, constants, None)).transpose()?;
+        let (fragment, read) = fragment.map(|left| (left.spirv, left.inputs)).unzip();
+        let vertex = prune(vertex.spirv()?, constants, Some(&read.unwrap_or_default()))?;
+        Ok(Self { vertex: vertex.spirv, fragment, attributes: vertex.inputs })
     }
 }
 

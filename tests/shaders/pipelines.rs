@@ -36,8 +36,8 @@ fn plans() -> Vec<(String, Plan)> {
 
 /// Where a pipeline's shaders differ from what they are provided with.
 fn problems(parts: &PipelineParts) -> Vec<String> {
-    let vertex = Reflection::new(&parts.vertex);
-    let fragment = parts.fragment.as_deref().map(Reflection::new);
+    let vertex = Reflection::new(&parts.shaders.vertex);
+    let fragment = parts.shaders.fragment.as_deref().map(Reflection::new);
     let shaders = || std::iter::once(&vertex).chain(&fragment);
     let mut problems = Vec::new();
     let mut compare = |what: &str, provided: String, mentioned: String| {
@@ -66,7 +66,7 @@ fn pipelines_are_provided_with_what_their_shaders_mention() {
             for p in problems(&parts) {
                 all.insert(format!("{name}: {}: {p}", parts.name));
             }
-            for spirv in std::iter::once(&parts.vertex).chain(&parts.fragment) {
+            for spirv in std::iter::once(&parts.shaders.vertex).chain(&parts.shaders.fragment) {
                 if seen.insert(spirv.clone())
                     && let Some(problem) = invalid(&bytes(spirv))
                 {

@@ -16,7 +16,7 @@ pub use parts::PipelineParts;
 use state::{FixedState, VertexInput};
 
 use super::descriptor::Binding;
-use super::shader::{Module, Specialization};
+use super::shader::Shaders;
 use super::{Called, Device, Owned, PipelineCache};
 use crate::Result;
 use crate::plan::{Pipeline, Plan};
@@ -101,17 +101,20 @@ impl Builder<'_> {
     fn build(&self, index: usize, pipeline: &Pipeline, place: Place) -> Result<Owned<vk::Pipeline>> {
         let plan = self.plan;
         let (vertex, fragment, constants) = modules(plan, pipeline);
-        let vertex = shader_module(self.device, vertex, &constants)?;
-        let fragment = fragment.map(|module| shader_module(self.device, module, &constants)).transpose()?;
+        let shaders = Shaders::new(vertex, fragment, &constants)?;
+        let name = plan.pipeline_text(pipeline);
+        let module = |spirv: &Vec<u32>| shader_module(self.device, spirv, &name);
+        let vertex = module(&shaders.vertex)?;
+        let fragment = shaders.fragment.as_ref().map(module).transpose()?;
         let stage = |stage, module: &Owned<vk::ShaderModule>| {
             vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw()).name(ENTRY)
         };
         let vertex = stage(vk::ShaderStageFlags::VERTEX, &vertex);
         let fragment = fragment.as_ref().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module));
         let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
-        let input = VertexInput::of_pipeline(pipeline)?;
+        let input = VertexInput::new(pipeline, &shaders.attributes)?;
         let state = FixedState::new(plan.subpass(index).2, pipeline);
-        self.create(&stages, &input, &state, place, &plan.pipeline_text(pipeline))
+        self.create(&stages, &input, &state, place, &name)
     }
 
     fn create(
@@ -159,15 +162,9 @@ impl Builder<'_> {
     }
 }
 
-/// What is left of a module with these constants.
-pub(super) fn shader_module(
-    device: &Device,
-    module: Module,
-    constants: &Specialization,
-) -> Result<Owned<vk::ShaderModule>> {
-    let spirv = module.specialised(constants)?;
-    let info = vk::ShaderModuleCreateInfo::default().code(&spirv);
+pub(super) fn shader_module(device: &Device, spirv: &[u32], name: &str) -> Result<Owned<vk::ShaderModule>> {
+    let info = vk::ShaderModuleCreateInfo::default().code(spirv);
     // SAFETY: the words are SPIR-V that the shader compiler made, and what `prune` leaves of it stays valid; tests validate
     // both.
-    unsafe { device.create_shader_module(&info, &module.name()) }
+    unsafe { device.create_shader_module(&info, name) }
 }

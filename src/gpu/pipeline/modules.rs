@@ -2,7 +2,7 @@
 
 use super::super::shader::{
     GeometryConstants, LightLoop, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
-    VertexConstants, shared,
+    shared,
 };
 use crate::environment::TexelFormat;
 use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
@@ -32,8 +32,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
     let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
     let (vertex, fragment, constants) = match pipeline {
         Pipeline::Depth(kind) => {
-            let constants =
-                surface_constants(plan, kind).specialization().and(depth_vertex(kind).specialization());
+            let constants = surface_constants(plan, kind).specialization();
             return (Module::GeometryVertex, kind.alpha_mask.then_some(Module::Mask), constants);
         }
         Pipeline::Surface(kind) => {
@@ -47,11 +46,15 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 Module::Forward
             };
             let constants = lighting.specialization().and(output.specialization());
-            (Module::GeometryVertex, fragment, constants.and(surface(plan, kind)))
+            (Module::GeometryVertex, fragment, constants.and(surface_constants(plan, kind).specialization()))
         }
         Pipeline::Light(kind) => {
             let constants = lighting.specialization().and(output.specialization());
-            (Module::GeometryVertex, Module::Light, constants.and(surface(plan, kind)))
+            (
+                Module::GeometryVertex,
+                Module::Light,
+                constants.and(surface_constants(plan, kind).specialization()),
+            )
         }
         Pipeline::Lighting => {
             let lighting = if one_by_one { lighting.only_global() } else { lighting };
@@ -60,7 +63,8 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         }
         Pipeline::LightMask(shape) => return (Module::LightVolume, None, shape_constant(*shape)),
         Pipeline::LightVolume(shape) => {
-            let constants = lighting.only_local().specialization().and(output.specialization());
+            let lighting = LightingConstants { scan: LightLoop::One, ..lighting.only_local() };
+            let constants = lighting.specialization().and(output.specialization());
             (Module::LightVolume, Module::Lighting(layout), constants.and(shape_constant(*shape)))
         }
         Pipeline::Tonemap => {
@@ -79,23 +83,6 @@ fn shape_constant(shape: VolumeShape) -> Specialization {
         VolumeShape::Cone => const { shared("VOLUME_CONE") },
         VolumeShape::Box => const { shared("VOLUME_BOX") },
     })
-}
-
-/// Of a pipeline that draws surfaces with their materials.
-fn surface(plan: &Plan, kind: &SurfaceKind) -> Specialization {
-    let vertex = VertexConstants {
-        normal: !kind.unlit,
-        texcoord: kind.textures != 0,
-        tangent: kind.needs_tangents(),
-        color: kind.vertex_color,
-    };
-    vertex.specialization().and(surface_constants(plan, kind).specialization())
-}
-
-/// What masks read.
-fn depth_vertex(kind: &SurfaceKind) -> VertexConstants {
-    let (texcoord, color) = (kind.alpha_mask && kind.textures != 0, kind.alpha_mask && kind.vertex_color);
-    VertexConstants { texcoord, color, ..VertexConstants::default() }
 }
 
 fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::super::shader::{Module, Specialization};
+use super::super::shader::Shaders;
 use super::super::shadow::{caster_bindings, caster_input, caster_modules};
 use super::{Family, VertexInput, modules};
 use crate::Result;
@@ -14,15 +14,13 @@ use crate::plan::Plan;
 pub struct PipelineParts {
     /// As the plan prints it.
     pub name: String,
-    /// SPIR-V of the vertex shader.
-    pub vertex: Vec<u32>,
-    /// SPIR-V of the fragment shader, where there is one.
-    pub fragment: Option<Vec<u32>>,
+    /// What runs.
+    pub shaders: Shaders,
     /// How many descriptors there are, by set and binding.
     pub bindings: BTreeMap<(u32, u32), u32>,
     /// Locations of vertex attributes.
     pub attributes: BTreeSet<u32>,
-    /// How many colour attachments are written.
+    /// How many colour attachments the fragment shader writes.
     pub targets: u32,
     /// Whether there are push constants.
     pub push_constants: bool,
@@ -32,31 +30,27 @@ impl PipelineParts {
     /// Every pipeline of a plan, those of casters of shadows after the others.
     ///
     /// # Errors
-    /// As of [`Module::specialised`].
+    /// As of [`Shaders::new`].
     pub fn of(plan: &Plan) -> Result<Vec<Self>> {
         let of_plan = plan.pipelines.iter().map(|(stage, pipeline)| {
             let (vertex, fragment, constants) = modules(plan, pipeline);
             let family = Family::of(plan, *stage, pipeline);
+            let shaders = Shaders::new(vertex, fragment, &constants)?;
+            let input = VertexInput::new(pipeline, &shaders.attributes)?;
             Ok(Self {
                 name: plan.pipeline_text(pipeline),
-                vertex: vertex.specialised(&constants)?,
-                fragment: specialised(fragment, &constants)?,
                 bindings: counts(&family.sets()),
-                attributes: VertexInput::of_pipeline(pipeline)?
-                    .attributes
-                    .iter()
-                    .map(|a| a.location)
-                    .collect(),
-                targets: plan.subpass(*stage).2.colors.len() as u32,
+                attributes: input.attributes.iter().map(|a| a.location).collect(),
+                targets: fragment.map_or(0, |_| plan.subpass(*stage).2.colors.len() as u32),
                 push_constants: family.has_push_constants(),
+                shaders,
             })
         });
         let casters = plan.shadow_map.iter().flat_map(|map| &map.casters).map(|kind| {
             let (vertex, fragment, constants) = caster_modules(kind);
             Ok(Self {
                 name: format!("shadow caster, {kind}"),
-                vertex: vertex.specialised(&constants)?,
-                fragment: specialised(fragment, &constants)?,
+                shaders: Shaders::new(vertex, fragment, &constants)?,
                 bindings: counts(&caster_bindings(kind)),
                 attributes: caster_input(kind.mask.as_ref())?.1.iter().map(|a| a.location).collect(),
                 targets: 0,
@@ -65,10 +59,6 @@ impl PipelineParts {
         });
         of_plan.chain(casters).collect()
     }
-}
-
-fn specialised(module: Option<Module>, constants: &Specialization) -> Result<Option<Vec<u32>>> {
-    module.map(|module| module.specialised(constants)).transpose()
 }
 
 fn counts(sets: &[Vec<super::Binding>]) -> BTreeMap<(u32, u32), u32> {

@@ -5,6 +5,8 @@
 //! module that would have been compiled had the constants been known: it *freezes* them, *folds* what follows from them, takes
 //! the branches that they decide, and removes what is then left without use.
 
+use std::collections::BTreeSet;
+
 mod flow;
 mod fold;
 mod unused;
@@ -23,13 +25,26 @@ struct Malformed(String);
 
 type Result<T, E = Malformed> = std::result::Result<T, E>;
 
-/// The module with specialisation constants of the values given, or else their defaults, and nothing that these make useless:
-/// it has no specialisation constant left, and mentions the variables only that it uses.
+/// What is left of a module.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pruned {
+    /// The module: it has no specialisation constant, and no variable that it does not use.
+    pub spirv: Vec<u32>,
+    /// Locations of the inputs that it reads.
+    pub inputs: BTreeSet<u32>,
+}
+
+/// The module with specialisation constants of the values given, or else their defaults, and without everything that these make
+/// useless. Of the outputs that have a location, those are written that the next stage reads: `None`, all.
 ///
 /// # Errors
 /// [`crate::Error::Unsupported`] if the words are not SPIR-V, or have instructions that no shader of this crate has.
-pub fn prune(spirv: &[u32], constants: &Specialization) -> crate::Result<Vec<u32>> {
-    pruned(spirv, constants).map_err(|Malformed(problem)| {
+pub fn prune(
+    spirv: &[u32],
+    constants: &Specialization,
+    read: Option<&BTreeSet<u32>>,
+) -> crate::Result<Pruned> {
+    pruned(spirv, constants, read).map_err(|Malformed(problem)| {
         crate::Error::unsupported(
             format!("a shader module cannot be specialised: {problem}"),
             "run ./tools/shaders",
@@ -37,7 +52,7 @@ pub fn prune(spirv: &[u32], constants: &Specialization) -> crate::Result<Vec<u32
     })
 }
 
-fn pruned(spirv: &[u32], given: &Specialization) -> Result<Vec<u32>> {
+fn pruned(spirv: &[u32], given: &Specialization, read: Option<&BTreeSet<u32>>) -> Result<Pruned> {
     let mut module = Module::read(spirv)?;
     let mut constants = Constants::freeze(&mut module, given)?;
     for function in &mut module.functions {
@@ -53,6 +68,6 @@ fn pruned(spirv: &[u32], given: &Specialization) -> Result<Vec<u32>> {
         }
     }
     constants.finish(&mut module);
-    unused::remove(&mut module);
-    Ok(module.write())
+    unused::remove(&mut module, read);
+    Ok(Pruned { spirv: module.write(), inputs: unused::inputs(&module) })
 }

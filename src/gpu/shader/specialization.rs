@@ -39,32 +39,6 @@ impl Specialization {
     }
 }
 
-/// Constants of [`super::Module::GeometryVertex`] and [`super::Module::ShadowVertex`]: what fragments read of the mesh besides
-/// its positions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct VertexConstants {
-    /// Normals.
-    pub normal: bool,
-    /// One or two texture coordinates.
-    pub texcoord: bool,
-    /// Tangents.
-    pub tangent: bool,
-    /// Vertex colours.
-    pub color: bool,
-}
-
-impl VertexConstants {
-    /// As ids and values.
-    pub fn specialization(&self) -> Specialization {
-        Specialization::from_pairs(&[
-            (const { shared("ID_HAS_NORMAL") }, self.normal.into()),
-            (const { shared("ID_HAS_TEXCOORD") }, self.texcoord.into()),
-            (const { shared("ID_HAS_TANGENT") }, self.tangent.into()),
-            (const { shared("ID_HAS_COLOR") }, self.color.into()),
-        ])
-    }
-}
-
 /// How a material samples one kind of texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TextureSlot {

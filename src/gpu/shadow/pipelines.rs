@@ -4,7 +4,7 @@ use ash::vk;
 
 use super::super::descriptor::{Binding, set_layout};
 use super::super::pipeline::shader_module;
-use super::super::shader::{GeometryConstants, Module, Specialization, TextureSlot, VertexConstants, shared};
+use super::super::shader::{GeometryConstants, Module, Shaders, Specialization, TextureSlot, shared};
 use super::super::shared::ShadowPush;
 use super::super::{Called, Device, Image, Owned, PipelineCache, texel_bytes};
 use crate::Result;
@@ -151,8 +151,10 @@ impl Builder<'_> {
         layout: &Owned<vk::PipelineLayout>,
         name: &str,
     ) -> Result<Owned<vk::Pipeline>> {
-        let vertex = shader_module(self.device, *vertex, constants)?;
-        let fragment = fragment.map(|module| shader_module(self.device, module, constants)).transpose()?;
+        let shaders = Shaders::new(*vertex, *fragment, constants)?;
+        let module = |spirv: &Vec<u32>| shader_module(self.device, spirv, name);
+        let vertex = module(&shaders.vertex)?;
+        let fragment = shaders.fragment.as_ref().map(module).transpose()?;
         let stage = |stage, module: &Owned<vk::ShaderModule>| {
             vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw()).name(c"main")
         };
@@ -204,15 +206,13 @@ pub(in crate::gpu) fn caster_modules(kind: &CasterKind) -> (Module, Option<Modul
         second_texcoord: mask.second_texcoord,
         transformed: mask.transformed,
     });
-    let vertex =
-        VertexConstants { texcoord: mask.textured, color: mask.vertex_color, ..VertexConstants::default() };
-    let fragment = GeometryConstants {
+    let constants = GeometryConstants {
         textures: [base_color, None, None, None, None],
         alpha_mask: true,
         vertex_color: mask.vertex_color,
         ..GeometryConstants::default()
     };
-    (Module::ShadowVertex, Some(Module::Mask), vertex.specialization().and(fragment.specialization()))
+    (Module::ShadowVertex, Some(Module::Mask), constants.specialization())
 }
 
 /// What a caster's shaders read: the instances, and a mask's material.

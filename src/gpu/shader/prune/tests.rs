@@ -116,7 +116,7 @@ fn constants(values: [u32; 2]) -> Specialization {
 
 /// The function that is left of this one, in the same notation; validated where there is spirv-val.
 fn left_of(body: &str, values: [u32; 2]) -> String {
-    let words = pruned(&assembled(body), &constants(values)).unwrap();
+    let words = pruned(&assembled(body), &constants(values), None).unwrap().spirv;
     validate(&words);
     let module = Module::read(&words).unwrap();
     let mut text = Vec::new();
@@ -141,7 +141,7 @@ fn validate(words: &[u32]) {
 
 /// Instructions of the module around that function.
 fn global_of(body: &str, values: [u32; 2], op: u16) -> Vec<Vec<u32>> {
-    let words = pruned(&assembled(body), &constants(values)).unwrap();
+    let words = pruned(&assembled(body), &constants(values), None).unwrap().spirv;
     let module = Module::read(&words).unwrap();
     module.global.iter().filter(|i| i.op == op).map(|i| i.operands.to_vec()).collect()
 }
@@ -184,8 +184,8 @@ fn a_branch_that_is_not_taken_takes_its_variables_with_it() {
     assert_eq!(global_of(IF, [1, 0], op::TYPE_IMAGE), Vec::<Vec<u32>>::new());
     assert_eq!(global_of(IF, [1, 0], op::SPEC_CONSTANT_FALSE), Vec::<Vec<u32>>::new());
     // Without values, the defaults.
-    let defaults = pruned(&assembled(IF), &Specialization::default()).unwrap();
-    assert_eq!(defaults, pruned(&assembled(IF), &constants([0, 0])).unwrap());
+    let defaults = pruned(&assembled(IF), &Specialization::default(), None).unwrap();
+    assert_eq!(defaults, pruned(&assembled(IF), &constants([0, 0]), None).unwrap());
 }
 
 #[test]
@@ -354,11 +354,25 @@ fn what_is_stored_and_never_read_goes() {
 }
 
 #[test]
+fn outputs_that_are_not_read_take_their_inputs_with_them() {
+    let body = "Label 50; Load 6 60 14; Store 12 60; Return";
+    let left = |read: &[u32]| {
+        let read = read.iter().copied().collect();
+        pruned(&assembled(&body.replace(';', "\n")), &constants([0, 0]), Some(&read)).unwrap()
+    };
+    let (read, unread) = (left(&[0]), left(&[1]));
+    assert_eq!((read.inputs.len(), unread.inputs.len()), (1, 0));
+    assert_eq!(Module::read(&unread.spirv).unwrap().functions[0].blocks[0].body, []);
+    validate(&unread.spirv);
+}
+
+#[test]
 fn bad_modules_are_errors() {
     let good = assembled(IF);
-    assert!(prune(&good, &Specialization::default()).is_ok());
-    let problem =
-        |words: &[u32]| pruned(words, &Specialization::default()).map_err(|Malformed(p)| p).unwrap_err();
+    assert!(prune(&good, &Specialization::default(), None).is_ok());
+    let problem = |words: &[u32]| {
+        pruned(words, &Specialization::default(), None).map_err(|Malformed(p)| p).unwrap_err()
+    };
     let changed = |from: &str, to: &str| problem(&assembled(&IF.replace(from, to)));
     assert!(problem(&[]).contains("does not begin"));
     assert!(problem(&good[..good.len() - 1]).contains("within a function"));
@@ -373,7 +387,7 @@ fn bad_modules_are_errors() {
     let mut wide = good.clone();
     wide[3] = u32::MAX;
     assert!(problem(&wide).contains("ids up to"));
-    let text = prune(&[0; 9], &Specialization::default()).unwrap_err().to_string();
+    let text = prune(&[0; 9], &Specialization::default(), None).unwrap_err().to_string();
     assert!(text.contains("tools/shaders"), "{text}");
 }
 
@@ -391,6 +405,6 @@ proptest! {
             words[at] = word;
         }
         let ids = (0..64).collect();
-        let _ = prune(&words, &Specialization { ids, data: vec![value; 64] });
+        let _ = prune(&words, &Specialization { ids, data: vec![value; 64] }, None);
     }
 }

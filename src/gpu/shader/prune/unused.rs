@@ -1,9 +1,13 @@
 //! What nothing uses.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::words::{Function, Instruction, Module, op};
 
+const DECORATION_LOCATION: u32 = 30;
+
+const STORAGE_INPUT: u32 = 1;
+const STORAGE_OUTPUT: u32 = 3;
 const STORAGE_PRIVATE: u32 = 6;
 const STORAGE_FUNCTION: u32 = 7;
 
@@ -15,9 +19,27 @@ const CAPABILITY_INPUT_ATTACHMENT: u32 = 40;
 const CAPABILITY_SAMPLED_CUBE_ARRAY: u32 = 45;
 const CAPABILITY_IMAGE_QUERY: u32 = 50;
 
-/// Removes instructions without effect whose results are not used, and everything that only they mention.
-pub(super) fn remove(module: &mut Module<'_>) {
-    let Live { used, stores_used, pointers, .. } = Live::of(module);
+/// The locations of the module's inputs.
+pub(super) fn inputs(module: &Module<'_>) -> BTreeSet<u32> {
+    let locations = locations(module);
+    let inputs = module.global.iter().filter(|i| i.op == op::VARIABLE && i.operands[2] == STORAGE_INPUT);
+    inputs.filter_map(|i| locations.get(&i.operands[1]).copied()).collect()
+}
+
+/// Locations by variable.
+fn locations(module: &Module<'_>) -> HashMap<u32, u32> {
+    let decorations = module.global.iter().filter(|i| i.op == op::DECORATE);
+    let located = decorations.filter_map(|i| match i.operands[..] {
+        [id, DECORATION_LOCATION, location] => Some((id, location)),
+        _ => None,
+    });
+    located.collect()
+}
+
+/// Removes instructions without effect whose results are not used, and everything that only they mention. Outputs with a location
+/// that is not `read` have no effect.
+pub(super) fn remove(module: &mut Module<'_>, read: Option<&BTreeSet<u32>>) {
+    let Live { used, stores_used, pointers, .. } = Live::of(module, read);
     module.functions.retain(|function| used.contains(&function.head[0].operands[1]));
     for block in module.functions.iter_mut().flat_map(|function| &mut function.blocks) {
         block.body.retain(|instruction| match instruction.result() {
@@ -73,10 +95,10 @@ fn has_effect(instruction: &Instruction<'_>) -> bool {
     instruction.op == op::FUNCTION_CALL
 }
 
-/// Where pointers into variables that only the invocation sees begin.
+/// Where pointers into variables that nobody else sees begin.
 type Pointers = HashMap<u32, u32>;
 
-/// The variable that an instruction stores to, if only the invocation sees it.
+/// The variable that an instruction stores to, if nobody else sees it.
 fn local_of(pointers: &Pointers, instruction: &Instruction<'_>) -> Option<u32> {
     match instruction.op {
         op::STORE => pointers.get(&instruction.operands[0]).copied(),
@@ -97,7 +119,7 @@ struct Live<'a, 'm> {
 }
 
 impl<'a, 'm> Live<'a, 'm> {
-    fn of(module: &'a Module<'m>) -> Self {
+    fn of(module: &'a Module<'m>, read: Option<&BTreeSet<u32>>) -> Self {
         let mut live = Self {
             definitions: HashMap::new(),
             functions: HashMap::new(),
@@ -107,7 +129,16 @@ impl<'a, 'm> Live<'a, 'm> {
             stores_used: HashSet::new(),
             open: Vec::new(),
         };
-        module.global.iter().for_each(|i| live.define(i));
+        let locations = locations(module);
+        for instruction in &module.global {
+            live.define(instruction);
+            if let (op::VARIABLE, &[_, id, STORAGE_OUTPUT, ..]) = (instruction.op, &instruction.operands[..])
+                && let (Some(read), Some(location)) = (read, locations.get(&id))
+                && !read.contains(location)
+            {
+                live.pointers.insert(id, id);
+            }
+        }
         for function in &module.functions {
             live.functions.insert(function.head[0].operands[1], function);
             function.head.iter().for_each(|i| live.define(i));
