@@ -2,7 +2,9 @@
 // draws surfaces with their materials; wants pixel.glsl, brdf.glsl and Surface.
 
 #include "material.glsl"
+#include "light/diffuse.glsl"
 #include "light/ambient.glsl"
+#include "light/lightmap.glsl"
 #include "light/environment.glsl"
 
 layout(constant_id = ID_DOUBLE_SIDED) const bool DOUBLE_SIDED = false;
@@ -10,6 +12,7 @@ layout(constant_id = ID_UNLIT) const bool UNLIT = false;
 layout(constant_id = ID_EMISSIVE) const bool EMISSIVE = false;
 layout(constant_id = ID_AMBIENT) const bool AMBIENT = false;
 layout(constant_id = ID_ENVIRONMENT) const bool ENVIRONMENT = false; // besides AMBIENT
+layout(constant_id = ID_LIGHTMAP) const bool LIGHTMAP = false;
 
 layout(location = VARYING_NORMAL) in vec3 varying_normal_world;
 layout(location = VARYING_TANGENT) in vec4 varying_tangent_world;
@@ -67,9 +70,9 @@ vec3 indirect_light(Fragment fragment) {
     if (EMISSIVE) {
         light += fragment.emission;
     }
+    vec3 v = view_direction_world();
+    float n_dot_v = clamp(dot(surface.normal_world, v), MIN_N_DOT_V, 1.0);
     if (AMBIENT) {
-        vec3 v = view_direction_world();
-        float n_dot_v = clamp(dot(surface.normal_world, v), MIN_N_DOT_V, 1.0);
         vec3 diffuse_nt = frame.ambient_nt.rgb;
         vec3 specular_nt = frame.ambient_nt.rgb;
         if (ENVIRONMENT) {
@@ -77,7 +80,14 @@ vec3 indirect_light(Fragment fragment) {
             vec3 towards = dominant_direction(surface.normal_world, v, surface.roughness);
             specular_nt += environment_radiance_nt(towards, surface.roughness);
         }
+        if (LIGHTMAP) {
+            // The map has all diffuse light, and knows better what it is hidden from.
+            diffuse_nt = vec3(0.0);
+        }
         light += light_around(surface, n_dot_v, diffuse_nt, specular_nt, fragment.occlusion);
+    }
+    if (LIGHTMAP) {
+        light += lightmap_irradiance() / PI * diffuse_albedo(surface, n_dot_v);
     }
     return light;
 }

@@ -13,6 +13,11 @@ layout(set = SET_FRAME, binding = BINDING_INSTANCES, std430) readonly buffer Ins
     Instance instances[];
 };
 
+// The instance's part of the lightmap: where TEXCOORD_1 = (0, 0) lies, and from there to (1, 1).
+layout(set = SET_FRAME, binding = BINDING_LIGHTMAPS, std430) readonly buffer Lightmaps {
+    vec4 lightmaps[];
+};
+
 layout(location = ATTRIBUTE_POSITION) in vec3 attribute_position;
 layout(location = ATTRIBUTE_NORMAL) in vec3 attribute_normal;
 layout(location = ATTRIBUTE_TEXCOORD) in vec4 attribute_texcoord;
@@ -23,6 +28,7 @@ layout(location = VARYING_NORMAL) out vec3 varying_normal_world;
 layout(location = VARYING_TEXCOORD) out vec4 varying_texcoord;
 layout(location = VARYING_TANGENT) out vec4 varying_tangent_world;
 layout(location = VARYING_COLOR) out vec4 varying_color;
+layout(location = VARYING_LIGHTMAP) out vec2 varying_lightmap;
 
 // Equal positions give equal depths in every module, so that passes may repeat each other's geometry.
 out gl_PerVertex {
@@ -56,4 +62,7 @@ void main() {
 
     varying_texcoord = attribute_texcoord;
     varying_color = attribute_color;
+
+    vec4 rect = lightmaps[gl_InstanceIndex];
+    varying_lightmap = rect.xy + attribute_texcoord.zw * rect.zw;
 }

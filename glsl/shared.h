@@ -17,6 +17,8 @@
 #define BINDING_SPLIT_SUM 8
 #define BINDING_ENVIRONMENT 9
 #define BINDING_RADIANCE 10
+#define BINDING_LIGHTMAPS 11
+#define BINDING_LIGHTMAP 13
 #define BINDING_VOLUMES 4
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
@@ -41,6 +43,7 @@
 #define VARYING_TANGENT 2
 #define VARYING_COLOR 3
 #define VARYING_LIGHT 4
+#define VARYING_LIGHTMAP 5
 
 // Colour output locations: of geometry, and of the subpasses with one output.
 #define TARGET_DEPTH 0
@@ -84,6 +87,8 @@
 #define ID_FOG_DENSITY 32
 #define ID_FOG_BASE 33
 #define ID_FOG_INVERSE_HEIGHT 34
+#define ID_LIGHTMAP_UNIT 35
+#define ID_LIGHTMAP_RGBM 36
 #define ID_RGBM 40
 #define ID_SHADOW_FILTER 48
 #define ID_LIGHT_TARGET 49
@@ -93,6 +98,7 @@
 #define ID_ONE_LIGHT 53
 #define ID_SHADOWS 54
 #define ID_GLOBE_MAPS 55
+#define ID_LIGHTMAP 56
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

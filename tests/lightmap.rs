@@ -8,7 +8,7 @@ use gltf_build::Gltf;
 use ontile::Result;
 use ontile::glam::{DVec3, Vec2, Vec3};
 use ontile::lightmap::{Density, Prepared, Settings, bake, prepare};
-use ontile::reference::lightmap::irradiance;
+use ontile::reference::lightmap::Lookup;
 use ontile::reference::path::{Paths, Receiver};
 use ontile::scene::{Lightmap, Scene};
 use serde_json::{Value, json};
@@ -100,7 +100,7 @@ fn texel(scene: &Scene, instance: usize, triangle: usize) -> (DVec3, DVec3) {
     let map: &Lightmap = scene.lightmap.as_ref().expect("it was baked");
     let uv = instance.lightmap.expect("it has a part").uv(mean2);
     let position = instance.world_from_object.transform_point3(mean3).as_dvec3();
-    (irradiance(map, uv.as_dvec2()), position)
+    (Lookup::new(map, None).irradiance(uv.as_dvec2()), position)
 }
 
 #[test]

@@ -77,6 +77,10 @@ fn printed() -> Vec<(String, String)> {
         ("foggy_separate".into(), plan(&scenes::foggy(), separate())),
         ("foggy_lights".into(), plan(&scenes::foggy_lights(), default())),
         ("foggy_unlit".into(), plan(&scenes::foggy_unlit(), default())),
+        ("lightmapped".into(), plan(&scenes::lightmapped(), default())),
+        ("lightmapped_alone".into(), plan(&scenes::lightmapped_alone(), default())),
+        ("before_sky".into(), plan(&scenes::before_sky(), default())),
+        ("sky_unlit".into(), plan(&scenes::sky_unlit(), default())),
     ];
     for scene in scenes::shipped() {
         for &strategy in Strategy::ALL {

@@ -1,4 +1,4 @@
-// Light from all around, reflected: what ambient light and environments share.
+// Light from all around, reflected: what ambient light and environments share. Wants light/diffuse.glsl.
 
 // The albedo of the specular lobe is f0 a + b; columns of the table are sqrt(n.v), rows roughness, from the first texel's
 // centre to the last one's (src/environment/split_sum.rs).
@@ -10,18 +10,12 @@ vec2 specular_albedo(float n_dot_v, float roughness) {
     return textureLod(split_sum, place / size, 0.0).xy;
 }
 
-// The part of light that the coat of a dielectric lets through to its diffuse base, but for 1 - f0: one less the mean of
-// (1 - v.h)^5 over light from all around, as a cubic (src/environment/split_sum.rs).
-float transmission(float n_dot_v) {
-    return 0.97191 + n_dot_v * (0.07756 + n_dot_v * (-0.07515 + n_dot_v * 0.02567));
-}
-
 // cd/m^2 towards the viewer. diffuse_nt: irradiance over pi; specular_nt: radiance around the mirror direction, blurred for
 // the roughness. Exact where light is the same from everywhere, else Karis' split sum ("Real Shading in Unreal Engine 4",
 // 2013). Occlusion, as glTF 2.0 section 3.9.3 has it, dims this light only.
 vec3 light_around(Surface surface, float n_dot_v, vec3 diffuse_nt, vec3 specular_nt, float occlusion) {
     vec3 f0 = mix(vec3(DIELECTRIC_F0), surface.base_color, surface.metallic);
     vec2 albedo = specular_albedo(n_dot_v, surface.roughness);
-    float base = (1.0 - surface.metallic) * (1.0 - DIELECTRIC_F0) * transmission(n_dot_v);
-    return occlusion * (diffuse_nt * surface.base_color * base + specular_nt * (f0 * albedo.x + albedo.y));
+    vec3 diffuse = diffuse_nt * diffuse_albedo(surface, n_dot_v);
+    return occlusion * (diffuse + specular_nt * (f0 * albedo.x + albedo.y));
 }

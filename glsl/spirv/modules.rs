@@ -13,6 +13,9 @@ embed![
     "mask.frag",
     "shadow.vert",
     "shadow_compose.frag",
+    "sky.frag",
+    "sky_exact.frag",
+    "sky_metallic128.frag",
     "tonemap.frag",
     "unlit.frag",
 ]

@@ -29,9 +29,9 @@ pub struct SceneArgs {
     /// Light from every direction alike, in cd/m² [default: the scene's own]
     #[arg(long, value_name = "RADIANCE", value_parser = radiance, allow_negative_numbers = true)]
     pub ambient: Option<f32>,
-    /// What is seen where there is no surface: a colour in sRGB, which neither exposure nor tone curve change
-    /// [default: the scene's own, else black]
-    #[arg(long, value_name = "#RRGGBB", value_parser = background)]
+    /// What is seen where there is no surface: the environment, or a colour in sRGB, which neither exposure nor tone curve
+    /// change [default: the scene's own, else black]
+    #[arg(long, value_name = "environment|#RRGGBB", value_parser = background)]
     pub background: Option<Background>,
     /// Fog: the share of light that is lost per metre; 0 is none [default: the scene's own]
     #[arg(long, value_name = "DENSITY", value_parser = fog_density, allow_negative_numbers = true)]
@@ -94,6 +94,9 @@ pub struct PlanArgs {
     /// rgba16f 8
     #[arg(long, value_name = "NAME", default_value_t = TexelFormat::E5B9G9R9, value_parser = named(TexelFormat::ALL, TexelFormat::name))]
     pub environment_format: TexelFormat,
+    /// How a lightmap's light is stored, in the same bytes; rgbm is as files have it, and less accurate between texels
+    #[arg(long, value_name = "NAME", default_value_t = TexelFormat::E5B9G9R9, value_parser = named(TexelFormat::ALL, TexelFormat::name))]
+    pub lightmap_format: TexelFormat,
     /// How lights reach pixels
     #[arg(long, value_name = "WAY", default_value_t = LightWay::Auto, value_parser = named(LightWay::ALL, LightWay::name))]
     pub lights: LightWay,
@@ -154,6 +157,7 @@ impl PlanArgs {
             fold: !self.no_fold,
             dither: self.dither,
             environment_format: self.environment_format,
+            lightmap_format: self.lightmap_format,
             ..Options::default()
         }
     }
@@ -238,7 +242,11 @@ pub fn radiance(text: &str) -> Result<f32, String> {
 }
 
 fn background(text: &str) -> Result<Background, String> {
-    Background::from_hex(text).ok_or_else(|| "give a colour as six hexadecimal digits, as in #87ceeb".into())
+    if text == "environment" {
+        return Ok(Background::Environment);
+    }
+    let message = "give 'environment', or a colour as six hexadecimal digits, as in #87ceeb";
+    Background::from_hex(text).ok_or_else(|| message.into())
 }
 
 fn fog_density(text: &str) -> Result<f32, String> {

@@ -3,7 +3,7 @@
 use ontile::Result;
 use ontile::environment::{Cache, DEFAULT_FACE_SIZE, TexelFormat};
 use ontile::glam::Vec3;
-use ontile::scene::{Camera, Environment, Fog, Scene};
+use ontile::scene::{Background, Camera, Environment, Fog, Scene};
 
 use super::args::SceneArgs;
 use super::print;
@@ -19,6 +19,9 @@ pub fn load(args: &SceneArgs) -> Result<Scene> {
     }
     read_environment(&mut scene, args)?;
     scene.background = args.background.unwrap_or(scene.background);
+    if scene.background == Background::Environment && scene.environment.is_none() {
+        print::warning("the background is to be the environment, but there is none; it is black");
+    }
     apply_fog(&mut scene, args);
     if args.no_shadows {
         scene = scene.without_shadows();

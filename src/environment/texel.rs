@@ -57,7 +57,7 @@ impl TexelFormat {
     }
 
     /// Stores a value from 0 to [`Self::max`] in each channel, rounded to the nearest.
-    pub(super) fn encode(self, value: Vec3, out: &mut Vec<u8>) {
+    pub(crate) fn encode(self, value: Vec3, out: &mut Vec<u8>) {
         let [r, g, b] = value.to_array();
         match self {
             Self::Rgbm => out.extend(encode_rgbm(value)),
@@ -76,7 +76,7 @@ impl TexelFormat {
     }
 
     /// What a texture unit makes of a texel before it filters.
-    pub(super) fn load(self, bytes: &[u8]) -> Vec4 {
+    pub(crate) fn load(self, bytes: &[u8]) -> Vec4 {
         let word = || bytes.iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte));
         match self {
             Self::Rgbm => Vec4::from_array(std::array::from_fn(|i| f32::from(bytes[i]) / 255.0)),
@@ -101,7 +101,7 @@ impl TexelFormat {
     }
 
     /// What a shader makes of what was filtered: the stored value.
-    pub(super) fn decode(self, filtered: Vec4) -> Vec3 {
+    pub(crate) fn decode(self, filtered: Vec4) -> Vec3 {
         match self {
             Self::Rgbm => {
                 let root = filtered.truncate() * (filtered.w * RGBM_RANGE);

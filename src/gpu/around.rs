@@ -1,4 +1,4 @@
-//! What surfaces sample to receive light from all around: the table of albedos and the environment.
+//! What surfaces sample to receive light from all around: the table of albedos, the environment and the lightmap.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::shared::EnvironmentUniforms;
 use super::{Buffer, BufferDesc, Device, Image, ImageDesc, MemoryUse, Owned, Upload, conv};
 use crate::environment::{Prefiltered, split_sum};
 use crate::plan::Plan;
-use crate::scene::{Environment, Scene};
+use crate::scene::{Environment, Lightmap, Scene};
 use crate::{Error, Result};
 
 /// Images and numbers of the plan's `around`; nothing where the plan has none.
@@ -18,6 +18,7 @@ use crate::{Error, Result};
 pub(super) struct AroundData {
     split_sum: Option<Image>,
     environment: Option<EnvironmentData>,
+    lightmap: Option<Image>,
     /// Linear, clamped; there if any image is.
     sampler: Option<Owned<vk::Sampler>>,
 }
@@ -46,12 +47,12 @@ impl AroundData {
             .max_lod(vk::LOD_CLAMP_NONE);
         // SAFETY: the structure uses no feature and no extension.
         let sampler = unsafe { device.create_sampler(&info, "around") }?;
-        let size = [split_sum::SIZE as u32; 2];
-        let table = Image::new(device, &ImageDesc::new("split sum", vk::Format::R16G16_SFLOAT, size, USAGE))?;
-        upload.image(&table, &[split_sum::TABLE])?;
         let environment = scene.environment.as_ref().filter(|_| plan.needs.environment.is_some());
+        let lightmap = scene.lightmap.as_ref().filter(|_| plan.needs.lightmap.is_some());
+        let reflects = plan.needs.kinds.iter().any(|need| need.kind.around.any());
         Ok(Self {
-            split_sum: Some(table),
+            split_sum: reflects.then(|| split_sum_table(device, upload)).transpose()?,
+            lightmap: lightmap.map(|map| lightmap_image(device, upload, map, plan)).transpose()?,
             environment: environment.map(|e| EnvironmentData::new(device, upload, e, plan)).transpose()?,
             sampler: Some(sampler),
         })
@@ -63,6 +64,7 @@ impl AroundData {
         let image = match binding {
             b if b == const { shared("BINDING_SPLIT_SUM") } => self.split_sum.as_ref()?,
             b if b == const { shared("BINDING_RADIANCE") } => &environment?.radiance,
+            b if b == const { shared("BINDING_LIGHTMAP") } => self.lightmap.as_ref()?,
             b if b == const { shared("BINDING_ENVIRONMENT") } => {
                 let uniforms = &environment?.uniforms;
                 return Some(Content::Buffer(uniforms, 0, uniforms.size_bytes()));
@@ -80,9 +82,33 @@ impl AroundData {
     pub(super) fn allocated_bytes(&self) -> u64 {
         let environment = self.environment.as_ref();
         let images = self.split_sum.iter().chain(environment.map(|e| &e.radiance));
+        let images = images.chain(&self.lightmap);
         images.map(Image::allocated_bytes).sum::<u64>()
             + environment.map_or(0, |e| e.uniforms.allocated_bytes())
     }
+}
+
+fn split_sum_table(device: &Device, upload: &mut Upload) -> Result<Image> {
+    let size = [split_sum::SIZE as u32; 2];
+    let table = Image::new(device, &ImageDesc::new("split sum", vk::Format::R16G16_SFLOAT, size, USAGE))?;
+    upload.image(&table, &[split_sum::TABLE])?;
+    Ok(table)
+}
+
+fn lightmap_image(device: &Device, upload: &mut Upload, map: &Lightmap, plan: &Plan) -> Result<Image> {
+    let size = [map.width, map.height];
+    let texels = map.width as usize * map.height as usize;
+    if texels == 0 || map.color_rgba8.len() != texels * 4 || map.scale8.len() != texels {
+        let (colors, scales) = (map.color_rgba8.len(), map.scale8.len());
+        return Err(Error::unsupported(
+            format!("the lightmap has {colors} and {scales} bytes for {}x{} texels", size[0], size[1]),
+            "give four bytes of colour and one of scale a texel",
+        ));
+    }
+    let format = plan.options.lightmap_format;
+    let image = Image::new(device, &ImageDesc::new("lightmap", conv::radiance_format(format), size, USAGE))?;
+    upload.image(&image, &[&map.texels(format)])?;
+    Ok(image)
 }
 
 impl EnvironmentData {

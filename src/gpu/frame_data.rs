@@ -18,6 +18,8 @@ pub(super) struct FrameData {
     pub(super) uniforms: Buffer,
     /// `None` if nothing is drawn.
     pub(super) instances: Option<Buffer>,
+    /// The parts of the lightmap of `instances`; `None` if the plan has no lightmap.
+    pub(super) lightmap_rects: Option<Buffer>,
     pub(super) lights: Buffer,
     /// `None` if the plan's way of lights has no lists.
     pub(super) light_lists: Option<Buffer>,
@@ -49,10 +51,13 @@ impl FrameData {
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let instances =
             (objects > 0).then(|| buffer("instances", objects * size_of::<InstanceData>(), storage));
+        let rects =
+            plan.needs.lightmap.map(|_| buffer("lightmap parts", objects * size_of::<[f32; 4]>(), storage));
         let light_lists = LightLists::bytes(plan).map(|bytes| buffer("light lists", bytes as usize, storage));
         Ok(Self {
             uniforms: buffer("frame", size_of::<FrameUniforms>(), uniform)?,
             instances: instances.transpose()?,
+            lightmap_rects: rects.transpose()?,
             // A buffer cannot be empty, but a scene can be without lights; then no shader reads what is here.
             lights: buffer("lights", lights.max(1) * size_of::<LightData>(), storage)?,
             light_lists: light_lists.transpose()?,
@@ -74,7 +79,9 @@ impl FrameData {
         let sight = Sight::new(&clip_from_world, view.camera.world_from_view.w_axis.truncate());
         let frustum = cull.then_some(&sight.frustum);
         let instances = self.instances.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
-        let seen_objects = objects.write_visible(&sight, cull, instances.unwrap_or_default());
+        let instances = instances.unwrap_or_default();
+        let rects = self.lightmap_rects.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
+        let seen_objects = objects.write_visible(&sight, cull, instances, rects.unwrap_or_default());
         let light_list = bytemuck::cast_slice_mut(self.lights.mapped_mut());
         let counts = lights.write_visible(frustum, light_list, light_lists.reaches_mut());
         uniforms.light_counts = counts;
@@ -95,7 +102,7 @@ impl FrameData {
     /// Size of the memory.
     pub(super) fn allocated_bytes(&self) -> u64 {
         let always = [&self.uniforms, &self.lights].into_iter();
-        let buffers = always.chain(&self.instances).chain(&self.light_lists);
+        let buffers = always.chain(&self.instances).chain(&self.lightmap_rects).chain(&self.light_lists);
         buffers.map(Buffer::allocated_bytes).sum()
     }
 }

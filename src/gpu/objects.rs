@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::convert;
 use super::scene_data::{surface, vertex_streams};
 use super::shared::InstanceData;
-use crate::plan::{Around, Path, Pipeline, Plan, SurfaceKind};
+use crate::plan::{Path, Pipeline, Plan, SceneKinds, SurfaceKind};
 use crate::scene::{Aabb, Instance, Scene};
 use crate::visible::{Distances, DrawOrder, Reach, Sight, sort_key, sorted_index};
 use crate::{Error, Result};
@@ -33,6 +33,8 @@ pub(super) struct Batch {
 /// An instance that has triangles.
 struct Placed {
     data: InstanceData,
+    /// Its part of the lightmap: origin and size.
+    lightmap: [f32; 4],
     bounds_world: Aabb,
     bounds_object: Aabb,
     mirrored: bool,
@@ -69,7 +71,7 @@ impl Objects {
     /// Sorts by state, so that it changes seldom and equal meshes become one draw. What a mask cuts comes after what is
     /// whole: it hides nothing before its shader has run.
     pub(super) fn new(scene: &Scene, plan: &Plan) -> Self {
-        let around = Around::of(scene);
+        let kinds = SceneKinds::new(scene);
         let mut order: Vec<_> = scene
             .instances
             .iter()
@@ -77,8 +79,7 @@ impl Objects {
             .filter(|(_, instance)| scene.is_drawn(instance))
             .map(|(index, instance)| {
                 let mesh = &scene.meshes[instance.mesh];
-                let kind =
-                    SurfaceKind::new(mesh, &scene.materials[mesh.material], instance.is_mirrored(), around);
+                let kind = SurfaceKind::new(&kinds, instance);
                 let wanted = Pipeline::Surface(kind);
                 let pipeline = plan.pipelines.iter().position(|(_, p)| *p == wanted);
                 let pipeline = pipeline.expect("the plan was made for this scene");
@@ -98,6 +99,9 @@ impl Objects {
             elements[index].placed = Some(first);
             placed.push(Placed {
                 data: convert::instance(&instance.world_from_object),
+                lightmap: instance
+                    .lightmap
+                    .map_or([0.0; 4], |r| [r.origin.x, r.origin.y, r.size.x, r.size.y]),
                 bounds_world: bounds_object.transformed(&instance.world_from_object),
                 bounds_object,
                 mirrored: instance.is_mirrored(),
@@ -197,8 +201,14 @@ impl Objects {
 
     /// Writes what is in sight, batch by batch without gaps and from near to far in each, and tells each batch where its
     /// objects are. Without `cull` the others follow in each batch, so that the order of those in sight is the same.
-    /// Returns how many it wrote.
-    pub(super) fn write_visible(&mut self, sight: &Sight, cull: bool, out: &mut [InstanceData]) -> usize {
+    /// Returns how many it wrote. `lightmaps` gets their parts of the lightmap, if it is not empty.
+    pub(super) fn write_visible(
+        &mut self,
+        sight: &Sight,
+        cull: bool,
+        out: &mut [InstanceData],
+        lightmaps: &mut [[f32; 4]],
+    ) -> usize {
         let Self { batches, order, placed, sorted, bounds_of_visible, .. } = self;
         let mut end = 0;
         bounds_of_visible.iter_mut().for_each(Vec::clear);
@@ -221,6 +231,9 @@ impl Objects {
                 let object = &placed[sorted_index(key)];
                 out[end] = object.data;
                 bounds_of_visible.iter_mut().for_each(|all| all.push(object.bounds_world));
+                if let Some(lightmap) = lightmaps.get_mut(end) {
+                    *lightmap = object.lightmap;
+                }
                 end += 1;
             }
             batch.visible = first as u32..end as u32;

@@ -253,6 +253,7 @@ impl SceneData {
                 let buffer = match binding {
                     b if b == const { shared("BINDING_FRAME") } => Some(&frame.uniforms),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
+                    b if b == const { shared("BINDING_LIGHTMAPS") } => frame.lightmap_rects.as_ref(),
                     b if b == const { shared("BINDING_LIGHTS") } => Some(&frame.lights),
                     b if b == const { shared("BINDING_SHADOW_VIEWS") } => shadows.map(|s| s.views(slot)),
                     _ => frame.light_lists.as_ref(),

@@ -3,58 +3,21 @@
 //! [`Module::all`] is the one list. `tools/shaders` compiles it into `glsl/spirv/`, this module embeds the result,
 //! and a test compares the two.
 
+mod numbers;
 mod prune;
 mod specialization;
 
+pub use numbers::shared;
 pub use prune::{Pruned, prune};
 pub use specialization::{
-    GeometryConstants, LightLoop, LightingConstants, OutputConstants, Specialization, TextureSlot,
+    GeometryConstants, LightLoop, LightingConstants, LightmapConstants, OutputConstants, SkyConstants,
+    Specialization, TextureSlot,
 };
 
 use std::collections::BTreeSet;
 
 use crate::plan::Layout;
 use crate::{Error, Result};
-
-/// The number that `glsl/shared.h` defines for `name`; call it in a `const`, so that a missing name does not compile.
-///
-/// # Panics
-/// If the header has no line `#define name NUMBER`.
-pub const fn shared(name: &str) -> u32 {
-    let (text, name) = (include_str!("../../glsl/shared.h").as_bytes(), name.as_bytes());
-    let mut line = 0;
-    while line < text.len() {
-        if let Some(at) = skip(text, line, b"#define ")
-            && let Some(at) = skip(text, at, name)
-            && let Some(mut at) = skip(text, at, b" ")
-        {
-            let mut number = 0;
-            assert!(at < text.len() && text[at].is_ascii_digit(), "shared.h: not a number");
-            while at < text.len() && text[at].is_ascii_digit() {
-                number = number * 10 + (text[at] - b'0') as u32;
-                at += 1;
-            }
-            return number;
-        }
-        while line < text.len() && text[line] != b'\n' {
-            line += 1;
-        }
-        line += 1;
-    }
-    panic!("shared.h does not define this name")
-}
-
-/// Where `text` goes on after `prefix` at `at`.
-const fn skip(text: &[u8], at: usize, prefix: &[u8]) -> Option<usize> {
-    let mut i = 0;
-    while i < prefix.len() {
-        if at + i >= text.len() || text[at + i] != prefix[i] {
-            return None;
-        }
-        i += 1;
-    }
-    Some(at + i)
-}
 
 /// How many kinds of texture a material can have; their order is that of `KIND_*` in `glsl/shared.h`.
 pub const KIND_COUNT: usize = shared("KIND_COUNT") as usize;
@@ -90,6 +53,8 @@ pub enum Module {
     Lighting(Layout),
     /// Turns the light target into the output.
     Tonemap,
+    /// Draws the environment where no surface is, and says "not lit" in the G-buffer where there is one.
+    Sky(Option<Layout>),
     /// One triangle over the whole image.
     Fullscreen,
     /// A mesh around what a light reaches.
@@ -103,17 +68,13 @@ pub enum Module {
 impl Module {
     /// Every module that exists.
     pub fn all() -> Vec<Self> {
-        let of_layouts = [Self::GeometryFragment, Self::Lighting];
-        let of_layouts =
-            of_layouts.iter().flat_map(|module| Layout::ALL.iter().map(|layout| module(*layout)));
-        let vertex = [Self::GeometryVertex, Self::ShadowVertex, Self::LightVolume, Self::Fullscreen];
-        let surfaces = [Self::Unlit, Self::Forward, Self::Base, Self::Light, Self::Mask];
-        vertex
-            .into_iter()
-            .chain(surfaces)
-            .chain(of_layouts)
-            .chain([Self::Tonemap, Self::ShadowCompose])
-            .collect()
+        let mut all = vec![Self::GeometryVertex, Self::ShadowVertex, Self::LightVolume, Self::Fullscreen];
+        all.extend([Self::Unlit, Self::Forward, Self::Base, Self::Light, Self::Mask, Self::Sky(None)]);
+        for &layout in Layout::ALL {
+            all.extend([Self::GeometryFragment(layout), Self::Sky(Some(layout)), Self::Lighting(layout)]);
+        }
+        all.extend([Self::Tonemap, Self::ShadowCompose]);
+        all
     }
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -128,6 +89,7 @@ impl Module {
             Self::Mask => "mask.frag",
             Self::Lighting(_) => "lighting.frag",
             Self::Tonemap => "tonemap.frag",
+            Self::Sky(_) => "sky.frag",
             Self::Fullscreen => "fullscreen.vert",
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
@@ -138,6 +100,7 @@ impl Module {
     fn layout(self) -> Option<Layout> {
         match self {
             Self::GeometryFragment(layout) | Self::Lighting(layout) => Some(layout),
+            Self::Sky(layout) => layout,
             _ => None,
         }
     }

@@ -74,11 +74,12 @@ pub struct AroundImage {
     pub why: String,
 }
 
-/// The table of albedos and the cube of radiance, where the scene needs them.
+/// The table of albedos, the cube of radiance and the lightmap, where the scene needs them.
 pub(super) fn images(needs: &Needs, options: &Options) -> Vec<AroundImage> {
-    let Some(first) = needs.kinds.iter().find(|n| n.kind.around.any()) else { return Vec::new() };
     let side = split_sum::SIZE as u32;
-    let mut images = vec![AroundImage {
+    let first = needs.kinds.iter().find(|n| n.kind.around.any());
+    let mut images = Vec::new();
+    images.extend(first.map(|first| AroundImage {
         name: "split_sum",
         size: [side; 2],
         faces: 1,
@@ -86,7 +87,7 @@ pub(super) fn images(needs: &Needs, options: &Options) -> Vec<AroundImage> {
         format: "rg16_float",
         bytes: split_sum::TABLE.len() as u64,
         why: format!("{} reflects light from all around", first.why),
-    }];
+    }));
     images.extend(needs.environment.as_ref().map(|environment| {
         let (format, size) = environment_texels(environment, options);
         let levels = level_count(size);
@@ -98,7 +99,23 @@ pub(super) fn images(needs: &Needs, options: &Options) -> Vec<AroundImage> {
             levels,
             format: format.name(),
             bytes: texels * format.bytes() as u64,
-            why: format!("environment '{}'", environment.name),
+            why: format!(
+                "environment '{}'{}",
+                environment.name,
+                if needs.sky { ", seen as sky too" } else { "" }
+            ),
+        }
+    }));
+    images.extend(needs.lightmap.map(|map| {
+        let format = options.lightmap_format;
+        AroundImage {
+            name: "lightmap",
+            size: map.size,
+            faces: 1,
+            levels: 1,
+            format: format.name(),
+            bytes: u64::from(map.size[0]) * u64::from(map.size[1]) * format.bytes() as u64,
+            why: "diffuse light on surfaces that do not move".into(),
         }
     }));
     images

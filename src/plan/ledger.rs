@@ -268,6 +268,8 @@ impl Plan {
                 "lighting by what shines everywhere".into()
             }
             P::Lighting => "lighting".into(),
+            P::Sky if self.has_gbuffer() => "sky".into(),
+            P::Sky => format!("sky, {} curve", self.options.tonemap),
             P::LightMask(shape) => format!("light mask, {shape}"),
             P::LightVolume(shape) => format!("light, {shape}"),
             P::Tonemap => format!("tonemap, {} curve{around}", self.options.tonemap),

@@ -16,6 +16,7 @@ mod derive;
 mod format;
 mod layout;
 mod ledger;
+mod lightmap;
 mod lights;
 mod needs;
 mod options;
@@ -39,6 +40,7 @@ pub use layout::{LayoutTable, Target};
 pub use ledger::{
     AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
 };
+pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
@@ -229,6 +231,8 @@ pub enum Pipeline {
     Depth(SurfaceKind),
     /// Adds what surfaces of a kind reflect of one light; drawn once for each light.
     Light(SurfaceKind),
+    /// Draws the environment where no surface is.
+    Sky,
     /// Shades the G-buffer by all lights, or, where those with a place are added one by one, by the others.
     Lighting,
     /// Marks in the stencil what is in a light's volume; for lights of one shape, each before it is added.
@@ -250,7 +254,7 @@ impl Pipeline {
         match self {
             Self::Surface(own) | Self::Light(own) => own == kind,
             Self::Depth(own) => *own == kind.depth(),
-            Self::Lighting | Self::LightMask(_) | Self::LightVolume(_) | Self::Tonemap => false,
+            _ => false,
         }
     }
 }
@@ -368,7 +372,8 @@ fn pipelines(frame: &stage::Frame, needs: &Needs, way: LightWay) -> Vec<(usize, 
     let lighting =
         stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
-    depths.chain(surfaces).chain(lights).chain(lighting).chain(tonemap).collect()
+    let sky = needs.sky.then_some((surface, Pipeline::Sky));
+    depths.chain(surfaces).chain(sky).chain(lights).chain(lighting).chain(tonemap).collect()
 }
 
 fn notes(

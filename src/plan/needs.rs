@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Around, EnvironmentNeed, ShadowNeeds};
-use crate::scene::{AlphaMode, Background, Fog, Light, LightKind, Material, Mesh, Scene, TextureRef};
+use super::{Around, EnvironmentNeed, LightmapNeed, LightmapUse, SceneKinds, ShadowNeeds};
+use crate::scene::{AlphaMode, Background, Fog, Instance, Light, LightKind, Material, Scene, TextureRef};
 use crate::visible::Reach;
 
 /// The texture slots of a material, in the order of shader slots.
@@ -36,22 +36,27 @@ pub struct SurfaceKind {
     pub emissive: bool,
     /// Adds light from all around.
     pub around: Around,
+    /// Whether a lightmap brings its diffuse light.
+    pub lightmap: LightmapUse,
 }
 
 impl SurfaceKind {
-    /// What drawing `mesh` with `material` needs.
-    pub fn new(mesh: &Mesh, material: &Material, mirrored: bool, around: Around) -> Self {
+    /// What drawing an instance of the scene needs.
+    pub fn new(kinds: &SceneKinds, instance: &Instance) -> Self {
+        let mesh = &kinds.scene.meshes[instance.mesh];
+        let material = &kinds.scene.materials[mesh.material];
         let lit = !material.unlit;
         let emissive = lit && material.emissive_factor != glam::Vec3::ZERO;
-        let around = if lit { around } else { Around::Nothing };
+        let around = if lit { kinds.around } else { Around::Nothing };
         let mut kind = Self {
             unlit: material.unlit,
             vertex_color: !mesh.colors.is_empty(),
             alpha_mask: matches!(material.alpha_mode, AlphaMode::Mask { .. }),
             double_sided: material.double_sided,
-            mirrored,
+            mirrored: instance.is_mirrored(),
             emissive,
             around,
+            lightmap: kinds.lightmap_of(instance),
             ..Self::default()
         };
         let wanted = [
@@ -112,9 +117,21 @@ impl SurfaceKind {
         self.samples(2)
     }
 
-    /// Texture coordinate sets that are read.
+    /// Texture coordinate sets that the mesh's vertices carry: those that are read, or that other instances of the mesh
+    /// read.
     pub fn texcoord_sets(&self) -> [bool; 2] {
-        [self.textures & !self.second_texcoord != 0, self.second_texcoord != 0]
+        let by_lightmap = self.lightmap != LightmapUse::Nowhere;
+        [self.textures & !self.second_texcoord != 0, self.second_texcoord != 0 || by_lightmap]
+    }
+
+    /// Whether a lightmap is sampled.
+    pub fn has_lightmap(&self) -> bool {
+        self.lightmap == LightmapUse::Here
+    }
+
+    /// Whether texture coordinates are read.
+    pub fn reads_texcoords(&self) -> bool {
+        self.textures != 0 || self.has_lightmap()
     }
 }
 
@@ -138,6 +155,8 @@ impl std::fmt::Display for SurfaceKind {
             (self.emissive, "emissive"),
             (self.around == Around::Ambient, "ambient"),
             (self.around == Around::Environment, "environment"),
+            (self.has_lightmap(), "lightmap"),
+            (self.lightmap == LightmapUse::Elsewhere, "vertices of lightmapped instances"),
         ];
         flags.iter().filter(|(on, _)| *on).try_for_each(|(_, name)| write!(f, " +{name}"))
     }
@@ -191,6 +210,10 @@ pub struct Needs {
     pub triangles: usize,
     /// The background, as linear display light, if it is a colour.
     pub background: Option<[f32; 3]>,
+    /// Whether the environment is the background.
+    pub sky: bool,
+    /// The lightmap, if a surface has a part of it.
+    pub lightmap: Option<LightmapNeed>,
     /// Fog, if it changes anything.
     pub fog: Option<Fog>,
 }
@@ -213,12 +236,11 @@ impl Needs {
 
     /// Reads them off a scene.
     pub fn of(scene: &Scene) -> Self {
-        let around = Around::of(scene);
+        let of_scene = SceneKinds::new(scene);
         let mut kinds: BTreeMap<SurfaceKind, KindNeed> = BTreeMap::new();
         for instance in scene.drawn_instances() {
-            let mesh = &scene.meshes[instance.mesh];
-            let material = &scene.materials[mesh.material];
-            let kind = SurfaceKind::new(mesh, material, instance.is_mirrored(), around);
+            let material = &scene.materials[scene.meshes[instance.mesh].material];
+            let kind = SurfaceKind::new(&of_scene, instance);
             kinds
                 .entry(kind)
                 .or_insert_with(|| KindNeed {
@@ -228,15 +250,14 @@ impl Needs {
                 })
                 .instances += 1;
         }
-        let surfaces = scene.drawn_instances().map(|instance| {
-            let mesh = &scene.meshes[instance.mesh];
-            let material = &scene.materials[mesh.material];
-            (SurfaceKind::new(mesh, material, instance.is_mirrored(), around), mesh.material)
-        });
+        let surfaces =
+            scene.drawn_instances().map(|i| (SurfaceKind::new(&of_scene, i), scene.meshes[i.mesh].material));
         let shadows = ShadowNeeds::new(scene, surfaces);
         let kinds: Vec<_> = kinds.into_values().collect();
         let first = |wanted: fn(&SurfaceKind) -> bool| kinds.iter().find(|n| wanted(&n.kind));
         let lit = first(|k| !k.unlit).map(|n| n.why.clone());
+        let environment = EnvironmentNeed::of(scene);
+        let sky = scene.background == Background::Environment && environment.is_some();
         let mut prelit = Vec::new();
         if lit.is_some() {
             let mut ask = |wanted, what| prelit.extend(first(wanted).map(|n| format!("{} {what}", n.why)));
@@ -244,6 +265,8 @@ impl Needs {
             ask(|k| k.unlit, "is unlit");
             ask(|k| k.around == Around::Ambient, "receives ambient light");
             ask(|k| k.around == Around::Environment, "receives light of the environment");
+            ask(|k| k.has_lightmap(), "has a lightmap");
+            prelit.extend(sky.then(|| "the environment is seen behind surfaces".to_owned()));
         }
         let lights = || scene.lights.iter().filter(|l| !l.is_dark());
         let count = |wanted: fn(&LightKind) -> bool| lights().filter(|l| wanted(&l.kind)).count();
@@ -260,12 +283,14 @@ impl Needs {
             endless_lights: lights().filter(|l| is_local(l) && Reach::of(l) == Reach::Everywhere).count(),
             globe_maps: lights().filter(|l| l.shown_globe_map().is_some()).count(),
             most_local_lights: most_local_lights(scene),
-            environment: EnvironmentNeed::of(scene).filter(|_| lit.is_some()),
+            environment: environment.filter(|_| lit.is_some() || sky),
+            sky,
+            lightmap: first(|k| k.has_lightmap()).and_then(|_| LightmapNeed::of(scene)),
             shadows,
             triangles: scene.triangle_count(),
             background: match scene.background {
-                Background::Black => None,
                 Background::Color(color) => Some(color.to_array()),
+                Background::Black | Background::Environment => None,
             },
             fog: scene.fog.filter(|fog| fog.density_per_m > 0.0 && !kinds.is_empty()),
             lit,

@@ -234,6 +234,8 @@ pub struct Options {
     pub keep_gbuffer: bool,
     /// How an environment's radiance is stored, unless it was filtered already.
     pub environment_format: TexelFormat,
+    /// How a lightmap's light is stored.
+    pub lightmap_format: TexelFormat,
 }
 
 impl Default for Options {
@@ -256,6 +258,7 @@ impl Default for Options {
             illumination_sets: true,
             keep_gbuffer: false,
             environment_format: TexelFormat::E5B9G9R9,
+            lightmap_format: TexelFormat::E5B9G9R9,
         }
     }
 }

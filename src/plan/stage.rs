@@ -102,7 +102,8 @@ impl Frame {
         let mut stages = Vec::new();
         let mut depth_uses = Vec::new();
         let one_by_one = matches!(way, LightWay::Volumes | LightWay::Stencil);
-        let depth = (needs.triangles > 1 || one_by_one).then(|| {
+        let before_sky = needs.sky && needs.triangles > 0;
+        let depth = (needs.triangles > 1 || one_by_one || before_sky).then(|| {
             let stencil = way == LightWay::Stencil;
             let target = Target {
                 name: if stencil { "depth_stencil_test" } else { "depth_test" },
@@ -114,11 +115,10 @@ impl Frame {
                 used_bits: if stencil { depth_stencil.bits() } else { 32 },
                 clear: Some([0.0; 4]),
             };
-            let mut why = format!("{} triangles hide each other", needs.triangles);
-            if one_by_one {
-                why += "; a light's volume is tested against it";
-            }
-            add(&target, false, why)
+            let mut why = vec![format!("{} triangles hide each other", needs.triangles)];
+            why.extend(one_by_one.then(|| "a light's volume is tested against it".into()));
+            why.extend(before_sky.then(|| "the sky is behind them".into()));
+            add(&target, false, why.join("; "))
         });
         if let Some(depth) = depth {
             if options.depth_prepass {

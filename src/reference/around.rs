@@ -1,10 +1,13 @@
 //! Light that arrives from all around, reflected.
 
+use std::f64::consts::FRAC_1_PI;
+
 use glam::DVec3;
 
 use super::brdf::{DIELECTRIC_F0, MIN_N_DOT_V};
 use super::environment::Integrator;
 use super::gbuffer::Attributes;
+use super::lightmap;
 use crate::environment::{DEFAULT_FACE_SIZE, Lookup, Prefiltered, TexelFormat, split_sum};
 use crate::scene::{Environment, Scene};
 
@@ -32,6 +35,7 @@ impl Default for Method {
 pub struct Around<'a> {
     ambient_nt: DVec3,
     environment: Option<&'a Environment>,
+    pub(super) lightmap: Option<lightmap::Lookup>,
     way: Way,
 }
 
@@ -57,7 +61,26 @@ impl<'a> Around<'a> {
                 Way::Integral(Integrator::new(environment.map(panorama), samples))
             }
         };
-        Self { ambient_nt: scene.ambient_nt.as_dvec3(), environment, way }
+        Self { ambient_nt: scene.ambient_nt.as_dvec3(), environment, lightmap: None, way }
+    }
+
+    /// With the scene's lightmap: [`lightmap::Lookup::new`].
+    pub fn with_lightmap(self, scene: &Scene, format: Option<TexelFormat>) -> Self {
+        let lightmap = scene.lightmap.as_ref().map(|map| lightmap::Lookup::new(map, format));
+        Self { lightmap, ..self }
+    }
+
+    /// What is seen where no surface is, cd/m²: the environment, if that is the background. `direction` is of unit length,
+    /// world space.
+    pub fn sky(&self, direction: DVec3) -> DVec3 {
+        let Some(environment) = self.environment else { return DVec3::ZERO };
+        let local = environment.environment_from_world(direction);
+        let radiance = match (&self.way, &environment.panorama) {
+            (Way::Prefiltered(Some(lookup)), _) => lookup.radiance(local, 0.0),
+            (_, Some(panorama)) => panorama.radiance(local),
+            _ => DVec3::ZERO,
+        };
+        radiance * f64::from(environment.intensity)
     }
 
     /// What a lit surface reflects towards the viewer, cd/m²; `to_viewer` is of unit length, world space, and `occlusion`
@@ -85,6 +108,29 @@ impl<'a> Around<'a> {
             }
         }
     }
+
+    /// As [`Self::reflected`], of a surface whose diffuse light comes from a lightmap alone: `lightmap_lx` is the irradiance,
+    /// which no occlusion dims.
+    pub fn reflected_with_lightmap(
+        &self,
+        surface: &Attributes,
+        to_viewer: DVec3,
+        occlusion: f64,
+        lightmap_lx: DVec3,
+    ) -> DVec3 {
+        // A coat over black and a metal have no diffuse part.
+        let coat = Attributes { metallic: 0.0, base_color: DVec3::ZERO, ..*surface };
+        let metal = Attributes { metallic: 1.0, ..*surface };
+        let [coat, metal] = [coat, metal].map(|s| self.reflected(&s, to_viewer, occlusion));
+        let albedo = diffuse_albedo(surface, surface.normal_world.dot(to_viewer));
+        coat.lerp(metal, surface.metallic) + lightmap_lx * FRAC_1_PI * albedo
+    }
+}
+
+/// What a surface reflects of irradiance over pi that comes from all around.
+fn diffuse_albedo(surface: &Attributes, n_dot_v: f64) -> DVec3 {
+    let coat = (1.0 - DIELECTRIC_F0) * split_sum::transmission(n_dot_v.clamp(MIN_N_DOT_V, 1.0));
+    surface.base_color * ((1.0 - surface.metallic) * coat)
 }
 
 /// Where the lobe of a rough surface takes most of its light from: between the mirror direction and the normal. Not of unit
@@ -111,8 +157,7 @@ pub fn light_around(
     let n_dot_v = n_dot_v.clamp(MIN_N_DOT_V, 1.0);
     let f0 = DVec3::splat(DIELECTRIC_F0).lerp(surface.base_color, surface.metallic);
     let [a, b] = split_sum::look_up(n_dot_v, surface.roughness);
-    let base = (1.0 - surface.metallic) * (1.0 - DIELECTRIC_F0) * split_sum::transmission(n_dot_v);
-    (diffuse_nt * surface.base_color * base + specular_nt * (f0 * a + b)) * occlusion
+    (diffuse_nt * diffuse_albedo(surface, n_dot_v) + specular_nt * (f0 * a + b)) * occlusion
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ use super::shadow::Occlusion;
 use super::tonemap::tonemap;
 use super::view::{Ray, View};
 use super::visibility::{Hit, Visibility};
+use crate::environment::TexelFormat;
 use crate::plan::{Layout, Tonemap};
 use crate::scene::{Background, Camera, Scene};
 
@@ -36,6 +37,8 @@ pub struct Settings {
     pub shadows: bool,
     /// How light from all around is evaluated.
     pub around: Method,
+    /// What stores the lightmap; `None` keeps f64.
+    pub lightmap: Option<TexelFormat>,
 }
 
 impl Default for Settings {
@@ -49,6 +52,7 @@ impl Default for Settings {
             light_scale: 1.0,
             shadows: true,
             around: Method::default(),
+            lightmap: None,
         }
     }
 }
@@ -120,7 +124,7 @@ impl Frame {
 pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
     let view = View::new(camera, settings.size);
     let visibility = Visibility::new(scene);
-    let around = Around::new(scene, settings.around);
+    let around = Around::new(scene, settings.around).with_lightmap(scene, settings.lightmap);
     let occlusion = Occlusion::new(scene, &visibility);
     let occlusion = settings.shadows.then_some(&occlusion);
     let [width, height] = settings.size;
@@ -131,8 +135,11 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
         let (x, y) = (index % width, index / width);
         let edge = is_edge(&visibility, &view, &centers, &corners, x, y);
         let Some(hit) = centers.at(x, y) else {
-            let nothing = Attributes::default();
-            return Pixel { edge, ..finish(scene, &view, settings, None, nothing, DVec3::ZERO) };
+            let sky = match scene.background {
+                Background::Environment => around.sky(view.ray_through_pixel([x, y]).direction.normalize()),
+                Background::Black | Background::Color(_) => DVec3::ZERO,
+            };
+            return Pixel { edge, ..finish(scene, &view, settings, None, Attributes::default(), sky) };
         };
         let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
         let exact = attributes(&visibility, &around, &view, position_world, hit);

@@ -150,6 +150,17 @@ fn normal_world(visibility: &Visibility, hit: &Hit, surface: &Interpolated) -> D
     (tangent * mapped.x + bitangent * mapped.y + normal * mapped.z).normalize_or_zero() * facing
 }
 
+/// Irradiance of the lightmap, if the instance has a part of it.
+fn lightmap_lx(visibility: &Visibility, around: &Around, hit: &Hit, mesh: &Mesh) -> Option<DVec3> {
+    let map = around.lightmap.as_ref()?;
+    let rect = visibility.scene.instances[visibility.instance(hit)].lightmap?;
+    let vertices = visibility.triangles[hit.triangle as usize].vertices;
+    let texcoords = mesh.texcoords.get(1).filter(|set| !set.is_empty())?;
+    let corner = |k: usize| texcoords[vertices[k] as usize].as_dvec2() * hit.barycentric[k];
+    let texcoord = corner(0) + corner(1) + corner(2);
+    Some(map.irradiance(rect.origin.as_dvec2() + texcoord * rect.size.as_dvec2()))
+}
+
 /// The surface at a hit as the geometry stage would write it, without quantisation.
 pub fn attributes(
     visibility: &Visibility,
@@ -182,6 +193,10 @@ pub fn attributes(
     let occlusion = texel(&material.occlusion_texture, Encoding::Linear).x;
     let occlusion = 1.0 + f64::from(material.occlusion_strength) * (occlusion - 1.0);
     let to_viewer = view.to_viewer(position_world);
-    attributes.prelit = emission + around.reflected(&attributes, to_viewer, occlusion);
+    let reflected = match lightmap_lx(visibility, around, hit, surface.mesh) {
+        Some(light) => around.reflected_with_lightmap(&attributes, to_viewer, occlusion, light),
+        None => around.reflected(&attributes, to_viewer, occlusion),
+    };
+    attributes.prelit = emission + reflected;
     attributes
 }

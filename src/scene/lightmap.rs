@@ -2,6 +2,8 @@
 
 use glam::{DVec3, Vec2};
 
+use crate::environment::TexelFormat;
+
 /// Diffuse light on the scene's surfaces, by TEXCOORD_1: irradiance, encoded as Smith and Einig 2015 ("Physically Based Deferred
 /// Shading on Mobile", listing 2.5) do it, in a colour texture and one with a scale (RGBM: Karis 2009).
 ///
@@ -72,6 +74,20 @@ impl Lightmap {
     pub fn decode(&self, color: DVec3, scale: f64) -> DVec3 {
         let root = color * (scale * f64::from(Self::RGBM_SCALE));
         root * root * f64::from(self.unit_lx)
+    }
+
+    /// The texels as a texture of this format holds them, rows from the top, in [`Self::unit_lx`]: RGBM as it is, with the
+    /// scale in the fourth channel; decoded in the others.
+    pub fn texels(&self, format: TexelFormat) -> Vec<u8> {
+        let mut texels = Vec::with_capacity(self.scale8.len() * format.bytes());
+        for (color, &scale) in self.color_rgba8.chunks_exact(4).zip(&self.scale8) {
+            let rgbm = [color[0], color[1], color[2], scale];
+            match format {
+                TexelFormat::Rgbm => texels.extend(rgbm),
+                _ => format.encode(TexelFormat::Rgbm.decode(TexelFormat::Rgbm.load(&rgbm)), &mut texels),
+            }
+        }
+        texels
     }
 
     /// Irradiance in lux of one texel.

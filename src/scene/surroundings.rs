@@ -12,6 +12,8 @@ pub enum Background {
     /// A colour as it shall appear: display light in linear Rec.709, 0 to 1. Neither exposure nor tone curve nor fog change it,
     /// and it lights nothing.
     Color(Vec3),
+    /// The scene's environment, blurred as little as it is stored; no light if there is none.
+    Environment,
 }
 
 impl Background {

@@ -87,3 +87,63 @@ fn light_that_no_number_holds() {
         "exceeds",
     );
 }
+
+#[test]
+fn what_scenes_say() {
+    let map = |map: Value| json!({"lightmap": map});
+    let fog = |fog: Value| json!({"fog": fog});
+    let grey = [0.5, 0.5, 0.5];
+    let cases = [
+        (json!({"sky": 1}), ".sky", "not a name"),
+        (json!({"background": 7}), ".background", "a text"),
+        (json!({"background": "blue"}), ".background", "is 'blue'"),
+        (fog(json!(0.1)), ".fog", "an object"),
+        (fog(json!({"density": 0.1})), ".fog", "no color"),
+        (fog(json!({"density": -1, "color": grey})), ".fog.density", "at least 0"),
+        (fog(json!({"density": 1, "color": [1, 1]})), ".fog.color", "3 numbers"),
+        (fog(json!({"density": 1, "color": grey, "base": 1})), ".fog.base", "alone"),
+        (fog(json!({"density": 1, "color": grey, "base": 1, "scale": 0})), ".fog.scale", "above 0"),
+        (map(json!(0)), ".lightmap", "an object"),
+        (map(json!({"color_image": 0, "scale_image": 1})), ".lightmap", "no unit_lx"),
+        (map(json!({"color_image": 0, "scale_image": 1, "unit_lx": 0})), ".lightmap.unit_lx", "above 0"),
+        (map(json!({"color_image": 0, "unit_lx": 1})), ".lightmap", "no scale_image"),
+        (
+            map(json!({"color_image": 0, "scale_image": 3, "unit_lx": 1})),
+            ".lightmap.scale_image",
+            "but there are 2",
+        ),
+        (map(json!({"color_image": 0, "scale_image": 1, "unit_lx": 1})), ".lightmap", "[1, 1] and [2, 1]"),
+    ];
+    for (extras, element, problem) in cases {
+        let name = extras.to_string();
+        let mut file = lit("point");
+        // Of another size than the first.
+        file.texture(&png(2, 1, &[255; 8]));
+        set(&mut file, "/scenes/0/extras", json!({"ontile": extras}));
+        expect_input_error(&name, file.load(), &format!("scenes[0].extras.ontile{element}"), problem);
+    }
+}
+
+#[test]
+fn extras_of_a_scene_that_the_file_has() {
+    let mut file = lit("point");
+    set(&mut file, "/extras", json!({"ontile": {"background": "#000000"}}));
+    expect_input_error("root", file.load(), "extras.ontile", "belongs to a scene");
+    set(&mut file, "/extras", json!({"others": true}));
+    file.load().expect("what is not ours is nobody's business");
+}
+
+#[test]
+fn parts_of_lightmaps() {
+    for (value, problem) in [
+        (json!(true), "4 numbers"),
+        (json!([0, 0, 1]), "4 numbers"),
+        (json!([0, 0, 2, 1]), "from 0 to 1"),
+        (json!([0, -0.5, 1, 1]), "from 0 to 1"),
+    ] {
+        let name = value.to_string();
+        let mut file = lit("point");
+        set(&mut file, "/nodes/0/extras", json!({"ontile": {"lightmap": value}}));
+        expect_input_error(&name, file.load(), "nodes[0].extras.ontile.lightmap", problem);
+    }
+}

@@ -1,10 +1,11 @@
 //! Scenes built by hand, small enough to render often; together they use every kind of surface, light and camera.
 
 use ontile::environment::{Panorama, Prefiltered, TexelFormat, direction_from_uv};
-use ontile::glam::{Mat4, Vec2, Vec3, Vec4, camera::rh::view::look_at_mat4};
+use ontile::glam::{DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh::view::look_at_mat4};
 use ontile::scene::{
     AlphaMode, Background, Camera, Environment, Fog, FogHeight, GlobeMap, GlobePicture, Image, Instance,
-    Light, LightKind, Material, Mesh, Projection, Sampler, Scene, Texture, TextureRef,
+    Light, LightKind, Lightmap, LightmapRect, Material, Mesh, Projection, Sampler, Scene, Texture,
+    TextureRef,
 };
 use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
@@ -87,6 +88,11 @@ pub fn built() -> Vec<Scene> {
         foggy(),
         foggy_lights(),
         foggy_unlit(),
+        lightmapped(),
+        lightmapped_alone(),
+        before_sky(),
+        sky_unlit(),
+        sky_alone(),
         environment(),
         environment_alone(),
     ]
@@ -364,6 +370,64 @@ pub fn foggy_lights() -> Scene {
 /// [`wholly_unlit`] likewise.
 pub fn foggy_unlit() -> Scene {
     in_fog("foggy_unlit", wholly_unlit())
+}
+
+/// [`environment`] with a lightmap on the floor, a lattice and one of the spheres: textured, masked and plain; the sphere's mesh
+/// has instances with and without.
+pub fn lightmapped() -> Scene {
+    let mut scene = Scene { name: "lightmapped".into(), ..environment() };
+    add_lightmap(&mut scene, |name| ["floor", "lattice", "bumpy", "banner"].contains(&name));
+    scene
+}
+
+/// [`lights_only`] with a lightmap on everything and no light besides.
+pub fn lightmapped_alone() -> Scene {
+    let mut scene = Scene { name: "lightmapped_alone".into(), ..lights_only() };
+    scene.lights.iter_mut().for_each(|light| light.baked = true);
+    add_lightmap(&mut scene, |_| true);
+    scene
+}
+
+/// Gives a part of a smooth lightmap to the first instance of each mesh of these names.
+fn add_lightmap(scene: &mut Scene, wanted: impl Fn(&str) -> bool) {
+    const SIDE: u32 = 64;
+    let texel = |i: u32| {
+        let (x, y) = (f64::from(i % SIDE) * 0.1, f64::from(i / SIDE) * 0.07);
+        DVec3::new(x.sin() + 1.2, (x + y).cos() + 1.1, (y * 1.3).sin() + 1.05) * 0.6
+    };
+    let light: Vec<_> = (0..SIDE * SIDE).map(texel).collect();
+    scene.lightmap = Some(Lightmap::encode(SIDE, SIDE, &light));
+    let mut seen = Vec::new();
+    for instance in &mut scene.instances {
+        let mesh = &mut scene.meshes[instance.mesh];
+        if !wanted(&mesh.name) || seen.contains(&instance.mesh) {
+            continue;
+        }
+        if mesh.texcoords[1].is_empty() {
+            mesh.texcoords[1] = mesh.positions.iter().map(|p| p.truncate() * 0.5 + 0.5).collect();
+        }
+        let origin = Vec2::new(0.05 + 0.2 * seen.len() as f32, 0.1);
+        instance.lightmap = Some(LightmapRect { origin, size: Vec2::new(0.1, 0.35) });
+        seen.push(instance.mesh);
+    }
+}
+
+/// [`environment`] before its own picture, in fog that does not reach it.
+pub fn before_sky() -> Scene {
+    let background = Background::Environment;
+    Scene { name: "before_sky".into(), background, ..in_fog("", environment()) }
+}
+
+/// [`wholly_unlit`] before an environment.
+pub fn sky_unlit() -> Scene {
+    let (environment, background) = (environment().environment, Background::Environment);
+    Scene { name: "sky_unlit".into(), environment, background, ..wholly_unlit() }
+}
+
+/// Nothing but the environment.
+pub fn sky_alone() -> Scene {
+    let (environment, background) = (environment().environment, Background::Environment);
+    Scene { name: "sky_alone".into(), environment, background, ..nothing() }
 }
 
 fn in_fog(name: &str, scene: Scene) -> Scene {

@@ -10,6 +10,7 @@ mod materials;
 mod meshes;
 mod nodes;
 mod samples;
+mod surroundings;
 
 /// Sums and products of a few f32 of about 1.
 const F32_ROUNDING: f32 = 1e-5;

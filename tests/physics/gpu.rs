@@ -1,5 +1,6 @@
 //! Pictures and G-buffers from the device at hand, under the validation layer.
 
+use ontile::environment::TexelFormat;
 use ontile::glam::{DVec3, DVec4};
 use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
@@ -32,6 +33,7 @@ pub struct Ask {
     pub tonemap: Tonemap,
     pub exposure_ev: f32,
     pub output: OutputFormat,
+    pub lightmap: TexelFormat,
 }
 
 impl Ask {
@@ -42,6 +44,7 @@ impl Ask {
         tonemap: Tonemap::Linear,
         exposure_ev: 0.0,
         output: OutputFormat::Rgba32Float,
+        lightmap: TexelFormat::E5B9G9R9,
     };
 
     fn options(&self) -> Options {
@@ -51,6 +54,7 @@ impl Ask {
             path: self.path,
             tonemap: self.tonemap,
             output: self.output,
+            lightmap_format: self.lightmap,
             ..Options::default()
         }
     }
@@ -123,6 +127,7 @@ impl Gpu {
             light_target,
             light_scale: if light_target { f64::from(layout.light_scale()) } else { 1.0 },
             around: Method::Prefiltered(plan.options.environment_format),
+            lightmap: Some(plan.options.lightmap_format),
             ..Settings::default()
         };
         let mut offscreen = Offscreen::new(device, scene, plan, RendererConfig::default(), &self.cache)

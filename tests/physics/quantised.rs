@@ -17,6 +17,7 @@ const METALLIC128: Ask = Ask {
     tonemap: Tonemap::Neutral,
     exposure_ev: 0.0,
     output: OutputFormat::Rgba8Srgb,
+    ..Ask::EXACT
 };
 
 /// The least PSNR (dB) and the greatest 99th percentile (steps of 255) by scene, against f64.

@@ -1,12 +1,14 @@
-//! Fog and background against the reference, however the frame is arranged.
+//! Fog, background and lightmaps against the reference, however the frame is arranged.
 
-use ontile::glam::Vec3;
+use ontile::environment::TexelFormat;
+use ontile::glam::{DVec3, Vec2, Vec3};
 use ontile::picture::Pixels;
 use ontile::plan::{Layout, OutputFormat, Path, Tonemap};
-use ontile::reference::render;
-use ontile::scene::{Background, Fog, FogHeight, Scene};
+use ontile::reference::{Pixel, render};
+use ontile::scene::{Background, Fog, FogHeight, LightmapRect, Scene};
 
-use crate::error::Errors;
+use crate::common::scenes as common;
+use crate::error::{Errors, FLOOR, MAX_RELATIVE_ERROR, PROMISED_PART};
 use crate::gpu::{Ask, Gpu};
 use crate::scenes;
 
@@ -77,7 +79,7 @@ fn a_background_colour_is_seen_as_it_was_typed() {
         ];
         for (layout, path, tonemap) in cases {
             let output = OutputFormat::Rgba8Srgb;
-            let ask = Ask { layout, path, tonemap, exposure_ev: -2.0, output };
+            let ask = Ask { layout, path, tonemap, exposure_ev: -2.0, output, ..Ask::EXACT };
             let rendered = gpu.render(&scene, camera, ask);
             let frame = render(&scene, camera, &rendered.settings);
             let Pixels::Rgba8(bytes) = &rendered.picture.pixels else {
@@ -91,6 +93,118 @@ fn a_background_colour_is_seen_as_it_was_typed() {
                 lit += u32::from(pixel.covered);
             }
             assert!(seen > 100 && lit > 100, "{}: {seen} and {lit} pixels", scene.name);
+        }
+    }
+    gpu.finish();
+}
+
+const PATHS: [Path; 2] = [Path::Deferred, Path::Forward];
+
+/// Surfaces that a lightmap lights: alone, and in its part of light from all around.
+fn lightmapped() -> [Scene; 3] {
+    let alone = common::lightmapped_alone();
+    let ambient_nt = Vec3::new(0.2, 0.3, 0.1);
+    let ambient = Scene { name: "and ambient".into(), ambient_nt, ..alone.clone() };
+    let environment = Scene { environment: common::environment().environment, ..alone.clone() };
+    [alone, ambient, Scene { name: "and an environment".into(), ..environment }]
+}
+
+#[test]
+fn lightmaps_are_the_references() {
+    let Some(gpu) = Gpu::open() else { return };
+    let faults: [fn(&mut Scene); 4] = [
+        |s| s.lightmap.as_mut().unwrap().unit_lx *= 1.01,
+        |s| s.instances[0].lightmap.as_mut().unwrap().origin.x += 1.0 / 64.0,
+        |s| s.lightmap = None,
+        // Its light is in the map.
+        |s| s.lights[0].baked = false,
+    ];
+    for scene in lightmapped() {
+        let camera = &scene.cameras[0];
+        for (path, lightmap) in PATHS.into_iter().flat_map(|path| FLOATS.map(|format| (path, format))) {
+            let rendered = gpu.render(&scene, camera, Ask { path, lightmap, ..Ask::EXACT });
+            let of = |scene: &Scene| {
+                Errors::of_display(&render(scene, camera, &rendered.settings), &rendered.light())
+            };
+            let errors = of(&scene);
+            println!("{}, {path}, {lightmap}: {errors}", scene.name);
+            errors.check().unwrap_or_else(|e| panic!("{}, {path}, {lightmap}: {e}", scene.name));
+            for (i, fault) in faults.iter().enumerate() {
+                let mut faulty = scene.clone();
+                fault(&mut faulty);
+                let errors = of(&faulty);
+                assert!(errors.check().is_err(), "{}: fault {i} is not caught, {errors}", scene.name);
+            }
+        }
+    }
+    gpu.finish();
+}
+
+/// What a driver filters in floats. lavapipe filters textures of 8 bits in 8 bits.
+const FLOATS: [TexelFormat; 3] = [TexelFormat::E5B9G9R9, TexelFormat::Rgba16F, TexelFormat::B10G11R11];
+
+#[test]
+fn a_lightmap_in_rgbm_is_the_references_but_for_the_filters_bits() {
+    /// Of a filter in 8 bits: half a step of 255 of the factor, and of colours near 1; factors here are at least 0.3, and the
+    /// product is squared. Rounding of the weights to 8 bits is as much again.
+    const FILTER: f64 = 2.0 * (0.5 / 255.0 + 0.5 / (255.0 * 0.3)) * 2.0;
+    let Some(gpu) = Gpu::open() else { return };
+    let scene = common::lightmapped_alone();
+    // Each surface in one texel, at whose centre no filter is at work.
+    let mut even = scene.clone();
+    for (i, instance) in even.instances.iter_mut().enumerate() {
+        let origin = Vec2::new(10.5 + 13.0 * i as f32, 20.5) / 64.0;
+        instance.lightmap = Some(LightmapRect { origin, size: Vec2::ZERO });
+    }
+    let ask = Ask { lightmap: TexelFormat::Rgbm, ..Ask::EXACT };
+    let camera = &scene.cameras[0];
+    let rendered = gpu.render(&even, camera, ask);
+    let errors = Errors::of_display(&render(&even, camera, &rendered.settings), &rendered.light());
+    println!("rgbm, at texels' centres: {errors}");
+    errors.check().unwrap();
+
+    let rendered = gpu.render(&scene, camera, ask);
+    let light = rendered.light();
+    let worst = |scene: &Scene| {
+        let reference = render(scene, camera, &rendered.settings);
+        let pixels = reference.pixels.iter().zip(&light).filter(|(p, _)| p.covered && !p.edge);
+        let error = |(pixel, found): (&Pixel, &DVec3)| {
+            (*found - pixel.display).abs().max_element() / pixel.display.max_element()
+        };
+        let mut errors: Vec<_> = pixels.map(error).collect();
+        errors.sort_by(f64::total_cmp);
+        errors[(errors.len() as f64 * PROMISED_PART) as usize]
+    };
+    let error = worst(&scene);
+    println!("rgbm: 99.9 % within {error:.1e} of the brightest channel");
+    assert!(error <= FILTER, "{error}");
+    let mut moved = scene.clone();
+    for instance in &mut moved.instances {
+        instance.lightmap.as_mut().unwrap().origin.x += 1.0 / 64.0;
+    }
+    assert!(worst(&moved) > FILTER, "a texel to the side is not seen");
+    gpu.finish();
+}
+
+#[test]
+fn the_sky_is_the_environment_and_nothing_is_lit_there() {
+    let Some(gpu) = Gpu::open() else { return };
+    for scene in [common::before_sky(), common::sky_unlit(), common::sky_alone()] {
+        let camera = &scene.cameras[0];
+        for path in PATHS {
+            let rendered = gpu.render(&scene, camera, Ask { path, exposure_ev: -1.0, ..Ask::EXACT });
+            let reference = render(&scene, camera, &rendered.settings);
+            let light = rendered.light();
+            let sky = reference.pixels.iter().zip(&light).filter(|(p, _)| !p.covered && !p.edge);
+            let error = |(pixel, found): (&Pixel, &DVec3)| {
+                ((*found - pixel.display).abs() / pixel.display.max(DVec3::splat(FLOOR))).max_element()
+            };
+            let mut errors: Vec<_> = sky.map(error).collect();
+            errors.sort_by(f64::total_cmp);
+            assert!(errors.len() > 5000, "{}: {} pixels of sky", scene.name, errors.len());
+            let quantile = errors[(errors.len() as f64 * PROMISED_PART) as usize];
+            println!("{}, {path}: 99.9 % within {quantile:.1e}", scene.name);
+            assert!(quantile <= MAX_RELATIVE_ERROR, "{}, {path}: {quantile}", scene.name);
         }
     }
     gpu.finish();

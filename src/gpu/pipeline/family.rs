@@ -39,10 +39,12 @@ const GLOBE_MAPS: u32 = shared("BINDING_GLOBE_MAPS");
 const SPLIT_SUM: u32 = shared("BINDING_SPLIT_SUM");
 const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
+const LIGHTMAPS: u32 = shared("BINDING_LIGHTMAPS");
+const LIGHTMAP: u32 = shared("BINDING_LIGHTMAP");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 11] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 13] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -56,6 +58,8 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 11] = {
         (SPLIT_SUM, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (ENVIRONMENT, T::UNIFORM_BUFFER, S::FRAGMENT),
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (LIGHTMAPS, T::STORAGE_BUFFER, S::VERTEX),
+        (LIGHTMAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
@@ -75,7 +79,7 @@ impl Family {
         let of_lights: Vec<u32> = match pipeline {
             Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
             Pipeline::LightVolume(_) => lighting.chain([VOLUMES]).collect(),
-            Pipeline::Depth(_) | Pipeline::Tonemap => Vec::new(),
+            Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap => Vec::new(),
             Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() || plan.has_light_target() => {
                 Vec::new()
             }
@@ -87,13 +91,18 @@ impl Family {
                 Around::Ambient => &[SPLIT_SUM],
                 Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
             },
+            Pipeline::Sky => &[ENVIRONMENT, RADIANCE],
+            _ => &[],
+        };
+        let lightmap: &[u32] = match pipeline {
+            Pipeline::Surface(kind) if kind.has_lightmap() => &[LIGHTMAPS, LIGHTMAP],
             _ => &[],
         };
         let of_surfaces: &[u32] = if pipeline.is_of_surfaces() { &[INSTANCES] } else { &[] };
-        let frame = [FRAME].iter().chain(of_surfaces).chain(&of_lights).chain(around);
+        let frame = [FRAME].iter().chain(of_surfaces).chain(&of_lights).chain(around).chain(lightmap);
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
-            Pipeline::LightMask(_) => SecondSet::Nothing,
+            Pipeline::LightMask(_) | Pipeline::Sky => SecondSet::Nothing,
             Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }

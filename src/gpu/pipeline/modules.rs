@@ -1,8 +1,8 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightLoop, LightingConstants, Module, OutputConstants, Specialization, TextureSlot,
-    shared,
+    GeometryConstants, LightLoop, LightingConstants, LightmapConstants, Module, OutputConstants,
+    SkyConstants, Specialization, TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
 use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
@@ -56,6 +56,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 constants.and(surface_constants(plan, kind).specialization()),
             )
         }
+        Pipeline::Sky => {
+            let light_target = plan.has_light_target();
+            let constants = SkyConstants { rgbm: is_rgbm(plan), light_target, output };
+            let layout = plan.has_gbuffer().then_some(layout);
+            (Module::Fullscreen, Module::Sky(layout), constants.specialization())
+        }
         Pipeline::Lighting => {
             let lighting = if one_by_one { lighting.only_global() } else { lighting };
             let constants = lighting.specialization().and(output.specialization());
@@ -101,7 +107,15 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
         vertex_color: kind.vertex_color,
         emissive: kind.emissive,
         around: kind.around,
-        rgbm: plan.environment_texels().is_some_and(|(format, _)| format == TexelFormat::Rgbm),
+        rgbm: is_rgbm(plan),
+        lightmap: plan.needs.lightmap.filter(|_| kind.has_lightmap()).map(|map| LightmapConstants {
+            unit_lx: map.unit_lx,
+            rgbm: plan.options.lightmap_format == TexelFormat::Rgbm,
+        }),
         light_target: plan.has_light_target(),
     }
+}
+
+fn is_rgbm(plan: &Plan) -> bool {
+    plan.environment_texels().is_some_and(|(format, _)| format == TexelFormat::Rgbm)
 }

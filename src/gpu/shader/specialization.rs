@@ -51,7 +51,7 @@ pub struct TextureSlot {
 }
 
 /// Constants of the modules that draw surfaces.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GeometryConstants {
     /// Base colour, metallic-roughness, normal, occlusion, emissive: those that the material has.
     pub textures: [Option<TextureSlot>; KIND_COUNT],
@@ -69,8 +69,19 @@ pub struct GeometryConstants {
     pub around: Around,
     /// Radiance is stored as RGBM.
     pub rgbm: bool,
+    /// Whether a lightmap brings the diffuse light, and how.
+    pub lightmap: Option<LightmapConstants>,
     /// The light target is written beside the G-buffer.
     pub light_target: bool,
+}
+
+/// How a lightmap is stored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightmapConstants {
+    /// Irradiance in lux of the decoded value 1.
+    pub unit_lx: f32,
+    /// Irradiance is stored as RGBM.
+    pub rgbm: bool,
 }
 
 impl GeometryConstants {
@@ -108,6 +119,9 @@ impl GeometryConstants {
             (const { shared("ID_AMBIENT") }, (self.around >= Around::Ambient).into()),
             (const { shared("ID_ENVIRONMENT") }, (self.around >= Around::Environment).into()),
             (const { shared("ID_RGBM") }, self.rgbm.into()),
+            (const { shared("ID_LIGHTMAP") }, self.lightmap.is_some().into()),
+            (const { shared("ID_LIGHTMAP_UNIT") }, self.lightmap.map_or(0.0, |map| map.unit_lx).to_bits()),
+            (const { shared("ID_LIGHTMAP_RGBM") }, self.lightmap.is_some_and(|map| map.rgbm).into()),
             (const { shared("ID_LIGHT_TARGET") }, self.light_target.into()),
         ])
     }
@@ -190,6 +204,28 @@ fn shadow_filter(filter: ShadowFilter) -> u32 {
         ShadowFilter::Grid3 => const { shared("SHADOW_FILTER_GRID3") },
         ShadowFilter::Grid5 => const { shared("SHADOW_FILTER_GRID5") },
         ShadowFilter::Jittered => const { shared("SHADOW_FILTER_JITTERED") },
+    }
+}
+
+/// Constants of [`super::Module::Sky`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkyConstants {
+    /// Radiance is stored as RGBM.
+    pub rgbm: bool,
+    /// It goes to the light target where there is no G-buffer either.
+    pub light_target: bool,
+    /// Of the sky that is written to the output; without effect on one in the light target.
+    pub output: OutputConstants,
+}
+
+impl SkyConstants {
+    /// As ids and values.
+    pub fn specialization(&self) -> Specialization {
+        let own = Specialization::from_pairs(&[
+            (const { shared("ID_RGBM") }, self.rgbm.into()),
+            (const { shared("ID_LIGHT_TARGET") }, self.light_target.into()),
+        ]);
+        self.output.specialization().and(own)
     }
 }
 

@@ -7,7 +7,7 @@ use glam::Mat4;
 use super::super::convert;
 use super::super::shared::InstanceData;
 use super::tiles::{Moves, Signature};
-use crate::plan::{Around, CasterKind, ShadowMap, SurfaceKind};
+use crate::plan::{CasterKind, SceneKinds, ShadowMap, SurfaceKind};
 use crate::scene::{Aabb, Scene};
 use crate::visible::{ShadowView, ShadowVolume, TexelArea};
 
@@ -67,7 +67,7 @@ pub(super) struct Casters {
 
 impl Casters {
     pub(super) fn new(scene: &Scene, map: &ShadowMap) -> Self {
-        let around = Around::of(scene);
+        let kinds = SceneKinds::new(scene);
         let mut order: Vec<_> = scene
             .instances
             .iter()
@@ -76,7 +76,7 @@ impl Casters {
             .filter_map(|(index, instance)| {
                 let mesh = &scene.meshes[instance.mesh];
                 let material = &scene.materials[mesh.material];
-                let surface = SurfaceKind::new(mesh, material, instance.is_mirrored(), around);
+                let surface = SurfaceKind::new(&kinds, instance);
                 let kind = CasterKind::new(&surface, material)?;
                 let pipeline = map.casters.iter().position(|k| *k == kind);
                 let masked = kind.mask.map(|_| mesh.material);

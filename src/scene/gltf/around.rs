@@ -1,12 +1,12 @@
 //! What extras say of the scene as a whole, and the part of nodes in its lightmap.
 //!
-//! | `extras.ontile` | on | value |
+//! | `extras.ontile` of | | value |
 //! |---|---|---|
-//! | `background` | the scene | `"#RRGGBB"` ([`Background::Color`]) |
-//! | `fog` | the scene | `{"density": number, "color": [r, g, b], "base": number, "scale": number}`; the last two belong together and may be left out ([`Fog`]) |
-//! | `lightmap` | the scene | `{"color_image": index, "scale_image": index, "unit_lx": number}` ([`Lightmap`]) |
-//! | `lightmap` | nodes | `[x, y, width, height]`, texture coordinates ([`LightmapRect`]); `false`: it shall have none |
-//! | `dynamic` | nodes | `true` or `false`; nodes below have it too ([`Instance::dynamic`](crate::scene::Instance::dynamic)) |
+//! | `scenes[i]` | `background` | `"#RRGGBB"` ([`Background::Color`]) or `"environment"` |
+//! | `scenes[i]` | `fog` | `{"density": number, "color": [r, g, b], "base": number, "scale": number}`; the last two belong together and may be left out ([`Fog`]) |
+//! | `scenes[i]` | `lightmap` | `{"color_image": index, "scale_image": index, "unit_lx": number}` ([`Lightmap`]) |
+//! | `nodes[i]` | `lightmap` | `[x, y, width, height]`, texture coordinates ([`LightmapRect`]); `false`: it shall have none |
+//! | `nodes[i]` | `dynamic` | `true` or `false`; nodes below have it too ([`Instance::dynamic`](crate::scene::Instance::dynamic)) |
 
 use glam::{Vec2, Vec3};
 use gltf::json;
@@ -21,9 +21,12 @@ pub fn read_background(doc: &Document) -> Result<Background> {
     let extras = node::extras_of_scene(doc)?;
     let Some(extra) = extras.get("background") else { return Ok(Background::default()) };
     let text = extra.text()?;
+    if text == "environment" {
+        return Ok(Background::Environment);
+    }
     Background::from_hex(text).ok_or_else(|| {
         let problem = format!("is '{}'", source::shortened(text));
-        extra.bad(problem, "write a colour as six hexadecimal digits: #87ceeb")
+        extra.bad(problem, "write environment, or a colour as six hexadecimal digits: #87ceeb")
     })
 }
 

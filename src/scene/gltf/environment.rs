@@ -1,8 +1,8 @@
 //! The environment that `extras` of the scene name.
 //!
-//! | `extras.ontile` of the scene | value | without it |
-//! |---|---|---|
-//! | `environment` | `{"file": "sky.hdr", "rotation": degrees, "intensity": number}`: a file beside the glTF file ([`Environment::load`]), turned about +Y, brighter or darker | none; rotation 0, intensity 1 |
+//! | `extras.ontile` of | | value | without it |
+//! |---|---|---|---|
+//! | `scenes[i]` | `environment` | `{"file": "sky.hdr", "rotation": degrees, "intensity": number}`: a file beside the glTF file ([`Environment::load`]), turned about +Y, brighter or darker | none; rotation 0, intensity 1 |
 
 use super::document::Document;
 use super::extras::{Extra, Extras};

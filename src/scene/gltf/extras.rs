@@ -12,8 +12,14 @@ use crate::{Error, Result};
 pub const OF_NODES: [&str; 9] =
     ["shadow", "dynamic", "priority", "back_color", "ground_color", "box", "globe_map", "baked", "lightmap"];
 
-/// What may be said of scenes: [`super::environment`], [`super::around`].
+/// What may be said of scenes (`scenes[i].extras.ontile`): [`super::environment`], [`super::around`].
 pub const OF_SCENES: [&str; 4] = ["environment", "background", "fog", "lightmap"];
+
+/// Whether there is anything for this program in these.
+pub fn is_ours(extras: &json::Extras) -> bool {
+    let parsed: Option<Value> = extras.as_deref().and_then(|raw| serde_json::from_str(raw.get()).ok());
+    parsed.is_some_and(|all| all.get("ontile").is_some())
+}
 
 /// The members of an object that are known to be meant for this program.
 pub struct Extras<'a> {

@@ -108,11 +108,6 @@ fn load(doc: &Document) -> Result<Scene> {
         scene.cameras.push(defaults::camera(bounds));
     }
     scene.environment = environment::read_environment(doc)?;
-    if scene.lightmap.is_some() {
-        scene
-            .warnings
-            .push("scene: its lightmap is not drawn yet, and neither is the light baked into it".into());
-    }
     let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
     let is_lit_by_nothing =
         scene.lights.is_empty() && scene.environment.is_none() && scene.lightmap.is_none();

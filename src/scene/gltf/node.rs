@@ -147,6 +147,11 @@ fn local_transform(doc: &Document, index: usize) -> Result<DMat4> {
 /// What the extras of the scene that is drawn say: see [`super::environment`] and [`super::around`].
 pub fn extras_of_scene<'a>(doc: &'a Document<'a>) -> Result<Extras<'a>> {
     let index = doc.root.scene.map_or(0, |scene| scene.value());
+    // Easily put there, and then missed.
+    if extras::is_ours(&doc.root.extras) {
+        let remedy = format!("move it to scenes[{index}].extras");
+        return Err(doc.bad("extras.ontile", "is said of the file, but belongs to a scene", remedy));
+    }
     let scene = doc.root.scenes.get(index).map(|scene| (&scene.extras, format!("scenes[{index}]")));
     Extras::read(doc, scene.as_slice(), &extras::OF_SCENES)
 }

@@ -1,0 +1,41 @@
+//! Numbers that shaders and this crate share.
+
+/// The number that `glsl/shared.h` defines for `name`; call it in a `const`, so that a missing name does not compile.
+///
+/// # Panics
+/// If the header has no line `#define name NUMBER`.
+pub const fn shared(name: &str) -> u32 {
+    let (text, name) = (include_str!("../../../glsl/shared.h").as_bytes(), name.as_bytes());
+    let mut line = 0;
+    while line < text.len() {
+        if let Some(at) = skip(text, line, b"#define ")
+            && let Some(at) = skip(text, at, name)
+            && let Some(mut at) = skip(text, at, b" ")
+        {
+            let mut number = 0;
+            assert!(at < text.len() && text[at].is_ascii_digit(), "shared.h: not a number");
+            while at < text.len() && text[at].is_ascii_digit() {
+                number = number * 10 + (text[at] - b'0') as u32;
+                at += 1;
+            }
+            return number;
+        }
+        while line < text.len() && text[line] != b'\n' {
+            line += 1;
+        }
+        line += 1;
+    }
+    panic!("shared.h does not define this name")
+}
+
+/// Where `text` goes on after `prefix` at `at`.
+const fn skip(text: &[u8], at: usize, prefix: &[u8]) -> Option<usize> {
+    let mut i = 0;
+    while i < prefix.len() {
+        if at + i >= text.len() || text[at + i] != prefix[i] {
+            return None;
+        }
+        i += 1;
+    }
+    Some(at + i)
+}
