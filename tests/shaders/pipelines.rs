@@ -1,9 +1,12 @@
 //! What pipelines are provided with is what their shaders mention: a scene that has none of a thing pays nothing for it.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use ontile::gpu::PipelineParts;
+use ontile::gpu::shader::{Module, shared};
 use ontile::plan::{Layout, LightWay, Limits, Needs, Options, Path, Plan, Strategy};
+
+use rspirv::spirv::Capability;
 
 use super::common::scenes;
 use super::reflect::Reflection;
@@ -45,7 +48,7 @@ fn problems(parts: &PipelineParts) -> Vec<String> {
             problems.push(format!("{what}: provided {provided}, mentioned {mentioned}"));
         }
     };
-    let bindings: std::collections::BTreeMap<_, _> = shaders().flat_map(Reflection::bindings).collect();
+    let bindings: BTreeMap<_, _> = shaders().flat_map(Reflection::bindings).collect();
     compare("bindings", format!("{:?}", parts.bindings), format!("{bindings:?}"));
     compare("attributes", format!("{:?}", parts.attributes), format!("{:?}", vertex.input_locations()));
     let read = fragment.as_ref().map(Reflection::input_locations).unwrap_or_default();
@@ -54,18 +57,31 @@ fn problems(parts: &PipelineParts) -> Vec<String> {
     let written = fragment.as_ref().map(Reflection::output_locations).unwrap_or_default();
     compare("targets", format!("{targets:?}"), format!("{written:?}"));
     let pushes = shaders().any(Reflection::has_push_constants);
-    compare("push constants", format!("{}", parts.push_constants), format!("{pushes}"));
+    compare("push constants", parts.push_constants.to_string(), pushes.to_string());
+    let inputs = shaders().any(|shader| shader.has_capability(Capability::InputAttachment));
+    let has_inputs = shaders().any(Reflection::has_input_attachments);
+    compare("capability of input attachments", inputs.to_string(), has_inputs.to_string());
     problems
 }
 
+/// What a pipeline shares with others of the same surface in another pass: its material's set, for which textures are bound
+/// once, whichever pass reads them.
+fn without_shared_textures(plan: &Plan, mut parts: PipelineParts) -> PipelineParts {
+    const TEXTURES: (u32, u32) = (shared("SET_MATERIAL"), shared("BINDING_TEXTURES"));
+    let is_read = |spirv: &Vec<u32>| Reflection::new(spirv).bindings().iter().any(|(at, _)| *at == TEXTURES);
+    if plan.options.path == Path::ForwardMultipass && !parts.shaders.fragment.as_ref().is_some_and(is_read) {
+        parts.bindings.remove(&TEXTURES);
+    }
+    parts
+}
+
 #[test]
-fn pipelines_are_provided_with_what_their_shaders_mention() {
-    let (mut seen, mut all) = (BTreeSet::new(), BTreeSet::new());
+fn pipelines_provide_what_their_shaders_mention_and_no_more() {
+    let mut seen = BTreeSet::new();
     for (name, plan) in plans() {
         for parts in PipelineParts::of(&plan).unwrap() {
-            for p in problems(&parts) {
-                all.insert(format!("{name}: {}: {p}", parts.name));
-            }
+            let parts = without_shared_textures(&plan, parts);
+            assert_eq!(problems(&parts), Vec::<String>::new(), "{name}: {}", parts.name);
             for spirv in std::iter::once(&parts.shaders.vertex).chain(&parts.shaders.fragment) {
                 if seen.insert(spirv.clone())
                     && let Some(problem) = invalid(&bytes(spirv))
@@ -75,8 +91,32 @@ fn pipelines_are_provided_with_what_their_shaders_mention() {
             }
         }
     }
-    println!("{} {}", seen.len(), all.len());
-    for a in all {
-        println!("{a}");
+    assert!(seen.len() > 150, "only {} shaders differ", seen.len());
+}
+
+#[test]
+fn pipelines_that_provide_something_else_are_reported() {
+    let plan =
+        Plan::new(Needs::of(&scenes::every_feature()), Options::default(), &Limits::default()).unwrap();
+    let all = PipelineParts::of(&plan).unwrap();
+    let lighting = all.iter().find(|parts| parts.name.starts_with("lighting")).unwrap();
+    assert_eq!(problems(lighting), Vec::<String>::new());
+    let changes: [(&str, fn(&mut PipelineParts)); 7] = [
+        ("bindings", |parts| drop(parts.bindings.pop_first())),
+        ("bindings", |parts| drop(parts.bindings.insert((0, 15), 1))),
+        ("bindings", |parts| *parts.bindings.values_mut().last().unwrap() += 1),
+        ("attributes", |parts| drop(parts.attributes.insert(0))),
+        ("targets", |parts| parts.targets += 1),
+        ("push constants", |parts| parts.push_constants = true),
+        // A module as it was compiled mentions whatever any scene has.
+        ("bindings", |parts| {
+            parts.shaders.fragment = Some(Module::Lighting(Layout::Metallic128).spirv().unwrap().to_vec());
+        }),
+    ];
+    for (what, change) in changes {
+        let mut changed = lighting.clone();
+        change(&mut changed);
+        let problems = problems(&changed);
+        assert!(problems.iter().any(|problem| problem.starts_with(what)), "{what}: {problems:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! Names, offsets and numbers of a SPIR-V module, compared with Rust's.
 
 use rspirv::dr::{Instruction, Module, Operand};
-use rspirv::spirv::{Decoration, Op, StorageClass};
+use rspirv::spirv::{Capability, Decoration, Op, StorageClass};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How a value lies in memory: (count, stride in bytes) from the outermost array to the components.
@@ -243,6 +243,17 @@ impl Reflection {
     /// Whether it has push constants.
     pub fn has_push_constants(&self) -> bool {
         self.variables().iter().any(|(_, class, _)| *class == StorageClass::PushConstant)
+    }
+
+    /// Whether it declares a capability.
+    pub fn has_capability(&self, wanted: Capability) -> bool {
+        self.module.capabilities.iter().any(|i| i.operands[0] == Operand::Capability(wanted))
+    }
+
+    /// Whether it has input attachments.
+    pub fn has_input_attachments(&self) -> bool {
+        let variables = self.variables();
+        variables.iter().any(|(.., id)| self.decoration(*id, Decoration::InputAttachmentIndex).is_some())
     }
 
     /// Specialisation constants by name.
