@@ -360,7 +360,7 @@ fn specialised_modules_are_valid() {
     for (module, reflection) in reflections() {
         let sizes = (0..SETS).map(|set| {
             let constants = constants(&reflection, set);
-            let spirv = prune(module.spirv().unwrap(), &constants, None).unwrap().spirv;
+            let spirv = prune("whole", module.spirv().unwrap(), &constants, None).unwrap().spirv;
             let left = Reflection::new(&spirv);
             assert!(left.specialisation_ids().is_empty(), "{}", module.name());
             if let Some(problem) = invalid(&bytes(&spirv)) {
@@ -368,7 +368,7 @@ fn specialised_modules_are_valid() {
             }
             // What is left has nothing more to lose.
             assert_eq!(
-                prune(&spirv, &constants, None).unwrap().spirv,
+                prune("left", &spirv, &constants, None).unwrap().spirv,
                 spirv,
                 "{} with {constants:?}",
                 module.name()

@@ -157,9 +157,10 @@ impl Shaders {
     /// # Errors
     /// As of [`Module::spirv`] and [`prune`].
     pub fn new(vertex: Module, fragment: Option<Module>, constants: &Specialization) -> Result<Self> {
-        let fragment = fragment.map(|module| prune(module.spirv()?, constants, None)).transpose()?;
+        let left = |module: Module, read| prune(&module.name(), module.spirv()?, constants, read);
+        let fragment = fragment.map(|module| left(module, None)).transpose()?;
         let (fragment, read) = fragment.map(|left| (left.spirv, left.inputs)).unzip();
-        let vertex = prune(vertex.spirv()?, constants, Some(&read.unwrap_or_default()))?;
+        let vertex = left(vertex, Some(&read.unwrap_or_default()))?;
         Ok(Self { vertex: vertex.spirv, fragment, attributes: vertex.inputs })
     }
 }

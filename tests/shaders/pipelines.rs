@@ -1,9 +1,10 @@
 //! What pipelines are provided with is what their shaders mention: a scene that has none of a thing pays nothing for it.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::time::Instant;
 
 use ontile::gpu::PipelineParts;
-use ontile::gpu::shader::{Module, shared};
+use ontile::gpu::shader::{Module, Specialization, prune, shared};
 use ontile::plan::{Layout, LightWay, Limits, Needs, Options, Path, Plan, Strategy};
 
 use rspirv::spirv::Capability;
@@ -101,11 +102,12 @@ fn pipelines_that_provide_something_else_are_reported() {
     let all = PipelineParts::of(&plan).unwrap();
     let lighting = all.iter().find(|parts| parts.name.starts_with("lighting")).unwrap();
     assert_eq!(problems(lighting), Vec::<String>::new());
-    let changes: [(&str, fn(&mut PipelineParts)); 7] = [
-        ("bindings", |parts| drop(parts.bindings.pop_first())),
-        ("bindings", |parts| drop(parts.bindings.insert((0, 15), 1))),
+    type Change = fn(&mut PipelineParts);
+    let changes: [(&str, Change); 7] = [
+        ("bindings", |parts| parts.bindings.retain(|at, _| *at != (0, 0))),
+        ("bindings", |parts| parts.bindings.extend([((0, 15), 1)])),
         ("bindings", |parts| *parts.bindings.values_mut().last().unwrap() += 1),
-        ("attributes", |parts| drop(parts.attributes.insert(0))),
+        ("attributes", |parts| parts.attributes.extend([0])),
         ("targets", |parts| parts.targets += 1),
         ("push constants", |parts| parts.push_constants = true),
         // A module as it was compiled mentions whatever any scene has.
@@ -118,5 +120,30 @@ fn pipelines_that_provide_something_else_are_reported() {
         change(&mut changed);
         let problems = problems(&changed);
         assert!(problems.iter().any(|problem| problem.starts_with(what)), "{what}: {problems:?}");
+    }
+}
+
+/// `cargo test --release --test shaders how_long -- --ignored --nocapture` prints it.
+#[test]
+#[ignore = "measures, and checks nothing"]
+fn how_long_specialisation_takes() {
+    let plans = plans();
+    for (name, plan) in plans.iter().filter(|(name, _)| name.starts_with("every_feature ")) {
+        let (start, parts) = (Instant::now(), PipelineParts::of(plan).unwrap());
+        let shaders =
+            parts.iter().map(|parts| 1 + usize::from(parts.shaders.fragment.is_some())).sum::<usize>();
+        let words =
+            parts.iter().map(|p| p.shaders.vertex.len() + p.shaders.fragment.as_ref().map_or(0, Vec::len));
+        let (took, bytes) = (start.elapsed(), 4 * words.sum::<usize>());
+        println!("{took:?}: {shaders} shaders of {} pipelines, {bytes} bytes left: {name}", parts.len());
+    }
+    for module in Module::all() {
+        let (spirv, constants) = (module.spirv().unwrap(), Specialization::default());
+        let times = (0..50).map(|_| {
+            let start = Instant::now();
+            prune(&module.name(), spirv, &constants, None).unwrap();
+            start.elapsed()
+        });
+        println!("{:?}: {}, {} bytes", times.min().unwrap(), module.name(), 4 * spirv.len());
     }
 }

@@ -5,8 +5,6 @@
 //! module that would have been compiled had the constants been known: it *freezes* them, *folds* what follows from them, takes
 //! the branches that they decide, and removes what is then left without use.
 
-use std::collections::BTreeSet;
-
 mod flow;
 mod fold;
 mod unused;
@@ -14,6 +12,8 @@ mod words;
 
 #[cfg(test)]
 mod tests;
+
+use std::collections::BTreeSet;
 
 use super::Specialization;
 use fold::Constants;
@@ -35,18 +35,19 @@ pub struct Pruned {
 }
 
 /// The module with specialisation constants of the values given, or else their defaults, and without everything that these make
-/// useless. Of the outputs that have a location, those are written that the next stage reads: `None`, all.
+/// useless. Of the outputs that have a location, those are written that the next stage reads: `None`, all. `name` is for errors.
 ///
 /// # Errors
 /// [`crate::Error::Unsupported`] if the words are not SPIR-V, or have instructions that no shader of this crate has.
 pub fn prune(
+    name: &str,
     spirv: &[u32],
     constants: &Specialization,
     read: Option<&BTreeSet<u32>>,
 ) -> crate::Result<Pruned> {
     pruned(spirv, constants, read).map_err(|Malformed(problem)| {
         crate::Error::unsupported(
-            format!("a shader module cannot be specialised: {problem}"),
+            format!("shader module '{name}' cannot be specialised: {problem}"),
             "run ./tools/shaders",
         )
     })

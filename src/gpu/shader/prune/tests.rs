@@ -369,7 +369,7 @@ fn outputs_that_are_not_read_take_their_inputs_with_them() {
 #[test]
 fn bad_modules_are_errors() {
     let good = assembled(IF);
-    assert!(prune(&good, &Specialization::default(), None).is_ok());
+    assert!(prune("good", &good, &Specialization::default(), None).is_ok());
     let problem = |words: &[u32]| {
         pruned(words, &Specialization::default(), None).map_err(|Malformed(p)| p).unwrap_err()
     };
@@ -387,8 +387,8 @@ fn bad_modules_are_errors() {
     let mut wide = good.clone();
     wide[3] = u32::MAX;
     assert!(problem(&wide).contains("ids up to"));
-    let text = prune(&[0; 9], &Specialization::default(), None).unwrap_err().to_string();
-    assert!(text.contains("tools/shaders"), "{text}");
+    let text = prune("zeros", &[0; 9], &Specialization::default(), None).unwrap_err().to_string();
+    assert!(text.contains("'zeros'") && text.contains("tools/shaders"), "{text}");
 }
 
 proptest! {
@@ -405,6 +405,6 @@ proptest! {
             words[at] = word;
         }
         let ids = (0..64).collect();
-        let _ = prune(&words, &Specialization { ids, data: vec![value; 64] }, None);
+        let _ = prune("changed", &words, &Specialization { ids, data: vec![value; 64] }, None);
     }
 }
