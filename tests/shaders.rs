@@ -289,9 +289,11 @@ fn wrong_interfaces_are_reported() {
 /// A value for every constant that the typed builders know.
 fn every_constant() -> Specialization {
     let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false, background: None, fog: None };
-    let lighting = LightingConstants { fold: Some(output), ..Default::default() };
     let surface = GeometryConstants::default().specialization();
-    surface.and(lighting.specialization()).and(Specialization::volume(0))
+    surface
+        .and(LightingConstants::default().specialization())
+        .and(output.specialization())
+        .and(Specialization::volume(0))
 }
 
 #[test]

@@ -11,29 +11,10 @@ use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
 /// are specialised with.
 pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
     let layout = plan.options.layout;
-    let output = OutputConstants {
-        tonemap: plan.options.tonemap,
-        dither: plan.options.dither,
-        background: plan.needs.background,
-        fog: plan.needs.fog,
-    };
-    let lighting = LightingConstants {
-        scan: if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All },
-        has_directional: plan.needs.directional_lights > 0,
-        has_point: plan.needs.point_lights > 0,
-        has_spot: plan.needs.spot_lights > 0,
-        has_box: plan.needs.box_lights > 0,
-        has_hemisphere: plan.needs.hemisphere_lights > 0,
-        has_back: plan.needs.back_colors > 0,
-        globe_maps: plan.needs.globe_maps > 0,
-        shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
-        fold: plan.folded.then_some(output),
-    };
-    let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
-    let (vertex, fragment, constants) = match pipeline {
+    let surface = |kind| surface_constants(plan, kind).specialization();
+    let (vertex, fragment, own) = match pipeline {
         Pipeline::Depth(kind) => {
-            let constants = surface_constants(plan, kind).specialization();
-            return (Module::GeometryVertex, kind.alpha_mask.then_some(Module::Mask), constants);
+            (Module::GeometryVertex, kind.alpha_mask.then_some(Module::Mask), surface(kind))
         }
         Pipeline::Surface(kind) => {
             let fragment = if plan.has_gbuffer() {
@@ -45,41 +26,59 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             } else {
                 Module::Forward
             };
-            let constants = lighting.specialization().and(output.specialization());
-            (Module::GeometryVertex, fragment, constants.and(surface_constants(plan, kind).specialization()))
+            (Module::GeometryVertex, Some(fragment), surface(kind))
         }
-        Pipeline::Light(kind) => {
-            let constants = lighting.specialization().and(output.specialization());
-            (
-                Module::GeometryVertex,
-                Module::Light,
-                constants.and(surface_constants(plan, kind).specialization()),
-            )
-        }
+        Pipeline::Light(kind) => (Module::GeometryVertex, Some(Module::Light), surface(kind)),
         Pipeline::Sky => {
-            let light_target = plan.has_light_target();
-            let constants = SkyConstants { rgbm: is_rgbm(plan), light_target, output };
-            let layout = plan.has_gbuffer().then_some(layout);
-            (Module::Fullscreen, Module::Sky(layout), constants.specialization())
+            let constants = SkyConstants { rgbm: is_rgbm(plan), light_target: plan.has_light_target() };
+            let module = Module::Sky(plan.has_gbuffer().then_some(layout));
+            (Module::Fullscreen, Some(module), constants.specialization())
         }
-        Pipeline::Lighting => {
-            let lighting = if one_by_one { lighting.only_global() } else { lighting };
-            let constants = lighting.specialization().and(output.specialization());
-            (Module::Fullscreen, Module::Lighting(layout), constants)
-        }
-        Pipeline::LightMask(shape) => return (Module::LightVolume, None, shape_constant(*shape)),
+        Pipeline::Lighting => (Module::Fullscreen, Some(Module::Lighting(layout)), Specialization::default()),
+        Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
         Pipeline::LightVolume(shape) => {
-            let lighting = LightingConstants { scan: LightLoop::One, ..lighting.only_local() };
-            let constants = lighting.specialization().and(output.specialization());
-            (Module::LightVolume, Module::Lighting(layout), constants.and(shape_constant(*shape)))
+            (Module::LightVolume, Some(Module::Lighting(layout)), shape_constant(*shape))
         }
-        Pipeline::Tonemap => {
-            // Without a G-buffer, fog is applied where surfaces are drawn.
-            let fog = output.fog.filter(|_| plan.has_gbuffer());
-            (Module::Fullscreen, Module::Tonemap, OutputConstants { fog, ..output }.specialization())
-        }
+        Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), Specialization::default()),
     };
-    (vertex, Some(fragment), constants)
+    let lighting = lighting_constants(plan, pipeline).specialization();
+    (vertex, fragment, lighting.and(output_constants(plan, pipeline).specialization()).and(own))
+}
+
+fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingConstants {
+    let all = LightingConstants {
+        scan: if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All },
+        has_directional: plan.needs.directional_lights > 0,
+        has_point: plan.needs.point_lights > 0,
+        has_spot: plan.needs.spot_lights > 0,
+        has_box: plan.needs.box_lights > 0,
+        has_hemisphere: plan.needs.hemisphere_lights > 0,
+        has_back: plan.needs.back_colors > 0,
+        globe_maps: plan.needs.globe_maps > 0,
+        shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
+        fold: plan.folded,
+    };
+    let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
+    match pipeline {
+        Pipeline::Lighting if one_by_one => all.only_global(),
+        Pipeline::LightVolume(_) => all.one_local(),
+        _ => all,
+    }
+}
+
+fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
+    // Fog comes before light that is complete.
+    let applies_fog = match pipeline {
+        Pipeline::Lighting | Pipeline::LightVolume(_) => plan.folded,
+        Pipeline::Tonemap => plan.has_gbuffer(),
+        _ => true,
+    };
+    OutputConstants {
+        tonemap: plan.options.tonemap,
+        dither: plan.options.dither,
+        background: plan.needs.background,
+        fog: plan.needs.fog.filter(|_| applies_fog),
+    }
 }
 
 fn shape_constant(shape: VolumeShape) -> Specialization {

@@ -160,8 +160,8 @@ pub struct LightingConstants {
     pub globe_maps: bool,
     /// How shadow maps are sampled, where lights have them.
     pub shadow_filter: Option<ShadowFilter>,
-    /// Lighting writes the output itself, like this; `None` adds to the light target.
-    pub fold: Option<OutputConstants>,
+    /// Lighting writes the output itself, as [`OutputConstants`] say; else it adds to the light target.
+    pub fold: bool,
 }
 
 impl LightingConstants {
@@ -170,14 +170,14 @@ impl LightingConstants {
         Self { has_point: false, has_spot: false, has_box: false, ..self }
     }
 
-    /// For lights that have a place alone.
-    pub fn only_local(self) -> Self {
-        Self { has_directional: false, has_hemisphere: false, ..self }
+    /// For one light that has a place.
+    pub fn one_local(self) -> Self {
+        Self { scan: LightLoop::One, has_directional: false, has_hemisphere: false, ..self }
     }
 
     /// As ids and values.
     pub fn specialization(&self) -> Specialization {
-        let lights = Specialization::from_pairs(&[
+        Specialization::from_pairs(&[
             (const { shared("ID_CLUSTERS") }, (self.scan == LightLoop::Cluster).into()),
             (const { shared("ID_ONE_LIGHT") }, (self.scan == LightLoop::One).into()),
             (const { shared("ID_HAS_DIRECTIONAL") }, self.has_directional.into()),
@@ -189,12 +189,8 @@ impl LightingConstants {
             (const { shared("ID_GLOBE_MAPS") }, self.globe_maps.into()),
             (const { shared("ID_SHADOWS") }, self.shadow_filter.is_some().into()),
             (const { shared("ID_SHADOW_FILTER") }, self.shadow_filter.map_or(0, shadow_filter)),
-            (const { shared("ID_FOLD") }, self.fold.is_some().into()),
-        ]);
-        match self.fold {
-            Some(output) => lights.and(output.specialization()),
-            None => lights,
-        }
+            (const { shared("ID_FOLD") }, self.fold.into()),
+        ])
     }
 }
 
@@ -214,18 +210,15 @@ pub struct SkyConstants {
     pub rgbm: bool,
     /// It goes to the light target where there is no G-buffer either.
     pub light_target: bool,
-    /// Of the sky that is written to the output; without effect on one in the light target.
-    pub output: OutputConstants,
 }
 
 impl SkyConstants {
     /// As ids and values.
     pub fn specialization(&self) -> Specialization {
-        let own = Specialization::from_pairs(&[
+        Specialization::from_pairs(&[
             (const { shared("ID_RGBM") }, self.rgbm.into()),
             (const { shared("ID_LIGHT_TARGET") }, self.light_target.into()),
-        ]);
-        self.output.specialization().and(own)
+        ])
     }
 }
 
