@@ -15,7 +15,7 @@ layout(set = SET_FRAME, binding = BINDING_INSTANCES, std430) readonly buffer Ins
 // Mirrors ShadowPush in src/gpu/shared.rs.
 layout(push_constant, std430) uniform ShadowPush {
     mat4 clip_from_world;
-    float nearest_depth; // what is nearer to the light is drawn at this depth
+    float nearest_depth; // of parallel views: what is nearer to the light is drawn at this depth
 } push;
 
 layout(location = ATTRIBUTE_POSITION) in vec3 attribute_position;
@@ -34,7 +34,8 @@ void main() {
     vec4 rows[3] = instances[gl_InstanceIndex].world_from_object_rows;
     vec4 position_world = vec4(dot(rows[0], position), dot(rows[1], position), dot(rows[2], position), 1.0);
     gl_Position = push.clip_from_world * position_world;
-    gl_Position.z = min(gl_Position.z, gl_Position.w * push.nearest_depth);
+    // Not so behind a lamp: a clamped vertex there would have most of its triangle clipped.
+    gl_Position.z = min(gl_Position.z, push.nearest_depth);
 
     varying_texcoord = attribute_texcoord;
     varying_color = attribute_color;

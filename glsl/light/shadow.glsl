@@ -73,18 +73,28 @@ float shadow_filtered(ShadowView view, vec4 p) {
 // Where a receiver is compared, so that it does not shadow itself. A texel holds one depth for all places that fall into
 // it, and a filter compares with texels up to R away: on a plane at an angle theta to the light they are nearer to the light
 // by up to R * tan(theta). Moving the receiver by d along its normal brings it d / cos(theta) nearer, so that
-// d = R * sin(theta) is just enough at every angle (Holbert 2011, "Saying Goodbye to Shadow Acne", GDC poster). What is moved
-// towards the light covers rounding where theta is 0.
-vec3 shadow_receiver(ShadowView view, float texel_m, vec3 position, vec3 normal, vec3 to_light) {
-    float n_dot_l = dot(normal, to_light);
-    float sine = sqrt(max(1.0 - n_dot_l * n_dot_l, 0.0));
+// d = R * sin(theta) is just enough at every angle (Holbert 2011, "Saying Goodbye to Shadow Acne", GDC poster). In a
+// perspective view theta is the angle to the view's axis, along which depths are compared: with p = w (u a + v b + axis), a
+// plane n . p = k has dw/du = -w (n . a) / (n . p / w), and moving it by d changes w by d / (n . p / w). What is moved towards
+// the light covers rounding where theta is 0.
+vec3 shadow_receiver(ShadowView view, float texel_m, vec3 axis, vec3 position, vec3 normal, vec3 to_light) {
+    float cosine = dot(normal, axis);
+    float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
     return position + (normal * (view.offset_texels * sine) + to_light * view.lift_texels) * texel_m;
 }
 
-// The view's texels at the place, in metres.
-float shadow_texel_m(ShadowView view, vec3 position) {
+// The distance from the light along the view's axis; its xyz is the axis, or 0 for parallel views, whose w is 1.
+vec4 shadow_row_w(ShadowView view) {
     mat4 m = view.map_from_world;
-    return view.texel_m * dot(vec4(m[0].w, m[1].w, m[2].w, m[3].w), vec4(position, 1.0));
+    return vec4(m[0].w, m[1].w, m[2].w, m[3].w);
+}
+
+// The face of the cube around a light in which a direction lies: +X, -X, +Y, -Y, +Z, -Z.
+uint shadow_face(vec3 from_light) {
+    vec3 size = abs(from_light);
+    uint face = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 2u : 4u;
+    float side = face == 0u ? from_light.x : face == 2u ? from_light.y : from_light.z;
+    return face + (side < 0.0 ? 1u : 0u);
 }
 
 // 0 in shadow to 1 in full light, for a light with a shadow. All in world space; `to_light` has unit length.
@@ -92,22 +102,21 @@ float shadow(uint light_shadow, vec3 light_position, vec3 position, vec3 normal,
     uint first = (light_shadow & ((1u << SHADOW_COUNT_SHIFT) - 1u)) - 1u;
     uint count = light_shadow >> SHADOW_COUNT_SHIFT;
     if (count == SHADOW_FACES) {
-        // All faces have texels of one size; how large they are at a place depends on the face.
-        vec3 from_light = position - light_position;
-        float along = max(max(abs(from_light.x), abs(from_light.y)), abs(from_light.z));
-        float texel_m = shadow_views.list[first].texel_m * along;
-        position = shadow_receiver(shadow_views.list[first], texel_m, position, normal, to_light);
-        from_light = position - light_position;
-        vec3 size = abs(from_light);
-        uint face = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 2u : 4u;
-        float side = face == 0u ? from_light.x : face == 2u ? from_light.y : from_light.z;
-        ShadowView view = shadow_views.list[first + face + (side < 0.0 ? 1u : 0u)];
+        // Moving the receiver may take it to another face, but not far from this one's edge.
+        ShadowView view = shadow_views.list[first + shadow_face(position - light_position)];
+        vec4 row_w = shadow_row_w(view);
+        float texel_m = view.texel_m * dot(row_w, vec4(position, 1.0));
+        position = shadow_receiver(view, texel_m, row_w.xyz, position, normal, to_light);
+        view = shadow_views.list[first + shadow_face(position - light_position)];
         return shadow_filtered(view, view.map_from_world * vec4(position, 1.0));
     }
     // The finest view that holds the place and what filters read around it; a light of one view shines within it only.
     for (uint i = first; i < first + count; ++i) {
         ShadowView view = shadow_views.list[i];
-        vec3 receiver = shadow_receiver(view, shadow_texel_m(view, position), position, normal, to_light);
+        vec4 row_w = shadow_row_w(view);
+        float texel_m = view.texel_m * dot(row_w, vec4(position, 1.0));
+        vec3 axis = row_w.xyz == vec3(0.0) ? to_light : row_w.xyz;
+        vec3 receiver = shadow_receiver(view, texel_m, axis, position, normal, to_light);
         vec4 p = view.map_from_world * vec4(receiver, 1.0);
         vec2 reach = (view.spread_texels + 1.0) / vec2(textureSize(shadow_map, 0));
         bool inside = p.w > 0.0 && all(greaterThan(p.xy, (view.tile.xy + reach) * p.w))

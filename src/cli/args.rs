@@ -104,8 +104,8 @@ pub struct PlanArgs {
     /// spread; or a dozen on a disc that is turned by another angle in each pixel
     #[arg(long, value_name = "NAME", default_value_t = ShadowFilter::Grid3, value_parser = named(ShadowFilter::ALL, ShadowFilter::name))]
     pub shadow_filter: ShadowFilter,
-    /// How the shadow map stores depth
-    #[arg(long, value_name = "NAME", default_value_t = ShadowFormat::D32, value_parser = named(ShadowFormat::ALL, ShadowFormat::name))]
+    /// How the shadow map stores depth; auto: in 16 bits where all light is parallel, in 32 where lamps cast shadows
+    #[arg(long, value_name = "NAME", default_value_t = ShadowFormat::Auto, value_parser = named(ShadowFormat::ALL, ShadowFormat::name))]
     pub shadow_format: ShadowFormat,
     /// Side of the shadow map at most, in texels; lights that do not fit get less of it, the least important first
     #[arg(long, value_name = "TEXELS", default_value_t = 4096)]
@@ -150,6 +150,7 @@ impl PlanArgs {
                 most_texels: self.shadow_map,
                 tile_texels: self.shadow_tile,
                 cascades: self.cascades,
+                ..ShadowOptions::default()
             },
             tonemap: self.tonemap,
             output,

@@ -126,6 +126,23 @@ impl Offscreen {
         Ok(decode(plan.attachments[index].format, readback.texels()))
     }
 
+    /// The depths of the shadow map, row by row from the top: reversed, 0 where nothing is.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if nothing was drawn into one, or not for [`RendererConfig::capture`].
+    pub fn shadow_map(&self) -> Result<Vec<f32>> {
+        let map = self.renderer.plan().shadow_map.as_ref().zip(self.renderer.shadow_image());
+        let Some((map, image)) = map else {
+            return Err(Error::unsupported("there is no shadow map to read", "render a frame with shadows"));
+        };
+        let layout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
+        let readback = Readback::new(self.renderer.device(), image.format(), image.size())?;
+        Commands::run(self.renderer.device(), "read shadow map", |recorder| {
+            readback.record(recorder, image, 0, layout, layout)
+        })?;
+        Ok(decode(map.format, readback.texels()).into_iter().step_by(4).collect())
+    }
+
     /// The renderer.
     pub fn renderer(&self) -> &Renderer {
         &self.renderer

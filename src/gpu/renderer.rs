@@ -13,7 +13,8 @@ use super::scene_data::SceneData;
 use super::shadow::{RecordedShadows, ShadowResources, Shadows};
 use super::target::check_formats;
 use super::{
-    Device, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
+    Device, Image, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View,
+    conv,
 };
 use crate::plan::{FrameCounts, Needs, Plan, State};
 use crate::scene::{Light, Scene};
@@ -25,7 +26,8 @@ use record::Frame;
 pub struct RendererConfig {
     /// Frames that the host may have on the GPU at the same time, at least 1.
     pub frames_in_flight: usize,
-    /// Give transient attachments ordinary memory, so that frame debuggers can read them. Same pixels.
+    /// Give transient attachments ordinary memory, so that frame debuggers can read them, and allow copies of the shadow
+    /// map. Same pixels.
     pub capture: bool,
     /// Take a timestamp after every subpass, not only around the frame. On tilers only the ones around the
     /// frame mean anything, since subpasses of different tiles interleave.
@@ -117,7 +119,8 @@ impl Renderer {
         let mut upload = Upload::new(device);
         let slot_count = config.frames_in_flight.max(1);
         let map = plan.shadow_map.as_ref();
-        let resources = map.map(|map| ShadowResources::new(device, map, slot_count)).transpose()?;
+        let resources = map.map(|map| ShadowResources::new(device, map, slot_count, config.capture));
+        let resources = resources.transpose()?;
         let data =
             SceneData::new(device, scene, &plan, &pipelines, resources.as_ref(), slot_count, &mut upload)?;
         let shadows = map.zip(resources).map(|(map, resources)| {
@@ -244,6 +247,11 @@ impl Renderer {
             shadows.set_light(index, light);
         }
         Ok(())
+    }
+
+    /// The shadow map, if something was drawn into it; between frames in SHADER_READ_ONLY_OPTIMAL.
+    pub(super) fn shadow_image(&self) -> Option<&Image> {
+        self.shadows.as_ref().and_then(Shadows::image)
     }
 
     /// Draws the shadow map anew with the next frame. Maps are kept on the assumption that the GPU executes every frame that

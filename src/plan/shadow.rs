@@ -278,7 +278,10 @@ impl ShadowMap {
         }
         Self {
             format: match options.shadows.format {
-                ShadowFormat::D32 => Format::D32Float,
+                ShadowFormat::Auto if lights.iter().all(|light| light.shape.is_parallel()) => {
+                    Format::D16Unorm
+                }
+                ShadowFormat::Auto | ShadowFormat::D32 => Format::D32Float,
                 ShadowFormat::D16 => Format::D16Unorm,
             },
             size: size.map(|s| s as u32),

@@ -8,6 +8,7 @@ mod order;
 mod reach;
 mod shadow_views;
 mod sight;
+mod texel_area;
 
 #[cfg(test)]
 mod tests;
@@ -17,5 +18,6 @@ pub use clusters::{Clusters, Grid};
 pub use frustum::Frustum;
 pub use order::{Distances, DrawOrder, sort_key, sorted_index};
 pub use reach::Reach;
-pub use shadow_views::{ShadowShape, ShadowView, ShadowVolume, TexelArea, TileSize};
+pub use shadow_views::{ShadowShape, ShadowView, ShadowVolume, TileSize};
 pub use sight::Sight;
+pub use texel_area::TexelArea;

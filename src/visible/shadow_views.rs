@@ -3,7 +3,7 @@
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec2, Vec3, Vec4Swizzles};
 use serde::Serialize;
 
-use super::{Frustum, Sphere};
+use super::{Frustum, Sphere, TexelArea};
 use crate::scene::{Aabb, Light, LightKind};
 
 /// Nearer than this to a point or spot light, distances to casters are not told apart, metres. With reversed depth in
@@ -37,6 +37,11 @@ pub enum ShadowShape {
 impl ShadowShape {
     /// The faces of [`Self::Cube`].
     pub const FACES: usize = 6;
+
+    /// Whether its views are parallel, so that depths are even steps of distance.
+    pub fn is_parallel(self) -> bool {
+        matches!(self, Self::Cascades | Self::Slab)
+    }
 
     /// Of a light; `None` for those that cast no shadow.
     pub fn of(light: &Light) -> Option<Self> {
@@ -79,7 +84,7 @@ pub struct ShadowView {
     /// How wide a texel is in metres, at w = 1 of clip space: parallel views have it everywhere, perspective ones at a
     /// metre from the light.
     pub texel_m: f32,
-    /// Whether what is in front of the near plane is drawn upon it: it casts shadows too.
+    /// Whether what is in front of the near plane is drawn upon it, because it casts shadows too. Parallel views only.
     pub pancaked: bool,
     /// The light's place and how far it reaches, metres: what is farther away casts no shadow. `None`: no end.
     pub reach: Option<(Vec3, f32)>,
@@ -88,8 +93,9 @@ pub struct ShadowView {
 impl ShadowView {
     /// A cascade of a light that travels along `direction` (unit length), with room in depth for all of `bounds`.
     ///
-    /// The centre is moved to a multiple of some texels, so that all centres' texels lie on one lattice.
-    pub fn cascade(direction: DVec3, sphere: &Sphere, bounds: &Aabb, tile: TileSize) -> Self {
+    /// If it shall be `stable`, its centre is moved to a multiple of some texels, so that all centres' texels lie on one
+    /// lattice.
+    pub fn cascade(direction: DVec3, sphere: &Sphere, bounds: &Aabb, tile: TileSize, stable: bool) -> Self {
         let step_texels = (tile.texels / STEP_SHARE).max(1);
         let usable = tile.side() - 2.0 * f64::from(tile.guard) - f64::from(step_texels);
         let texel_m = 2.0 * sphere.radius_m / usable;
@@ -100,8 +106,8 @@ impl ShadowView {
         let axis = light_from_world.row(2);
         let (middle, half) = (((min + max) * 0.5).dot(axis), ((max - min) * 0.5).dot(axis.abs()));
         let margin = (half * DEPTH_MARGIN).max(f64::from(f32::MIN_POSITIVE));
-        let place =
-            DVec3::new((center.x / step_m).round() * step_m, (center.y / step_m).round() * step_m, middle);
+        let follow = |n: f64| if stable { (n / step_m).round() * step_m } else { n };
+        let place = DVec3::new(follow(center.x), follow(center.y), middle);
         let half_m = DVec3::new(1.0, 1.0, 0.0) * (texel_m * tile.side() * 0.5) + DVec3::Z * (half + margin);
         Self::parallel(light_from_world, place, half_m, texel_m, true)
     }
@@ -162,7 +168,7 @@ impl ShadowView {
             [row(frame.x_axis / half), row(-frame.y_axis / half), DVec4::W * NEAR_M, row(-frame.z_axis)];
         let texel_m = (2.0 * half / tile.side()) as f32;
         let reach = light.range_m.map(|range| (light.position_world, range));
-        Self { clip_from_world: from_rows(rows), texel_m, pancaked: true, reach }
+        Self { clip_from_world: from_rows(rows), texel_m, pancaked: false, reach }
     }
 
     /// What can cast a shadow in this view.
@@ -203,33 +209,6 @@ impl ShadowView {
             1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0,
         ]);
         depth * self.clip_from_world
-    }
-}
-
-/// A part of a tile, texels from its corner: from `min` to before `max`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TexelArea {
-    /// From the left and from the top.
-    pub min: [u32; 2],
-    /// If not above `min` in both, the area is empty.
-    pub max: [u32; 2],
-}
-
-impl TexelArea {
-    fn is_empty(&self) -> bool {
-        (0..2).any(|axis| self.max[axis] <= self.min[axis])
-    }
-
-    /// The smallest area that holds both.
-    pub fn union(self, other: Self) -> Self {
-        match (self.is_empty(), other.is_empty()) {
-            (true, _) => other,
-            (_, true) => self,
-            _ => Self {
-                min: [0, 1].map(|axis| self.min[axis].min(other.min[axis])),
-                max: [0, 1].map(|axis| self.max[axis].max(other.max[axis])),
-            },
-        }
     }
 }
 
@@ -307,7 +286,7 @@ mod tests {
             let point = DVec3::new(1.7, 0.3, -2.2);
             let at = |x: f64| {
                 let sphere = Sphere { center: DVec3::new(x, 0.5 * x, -0.3 * x), radius_m: 7.0 };
-                ShadowView::cascade(direction, &sphere, &BOUNDS, TILE)
+                ShadowView::cascade(direction, &sphere, &BOUNDS, TILE, true)
             };
             let first = at(0.0);
             let mut views = 1;
@@ -331,7 +310,7 @@ mod tests {
     fn a_cascade_holds_its_sphere_and_all_depths() {
         for (direction, x) in directions().into_iter().zip([0.0, 0.77, -3.1, 12.3]) {
             let sphere = Sphere { center: DVec3::new(x, 1.0, -x), radius_m: 3.0 };
-            let view = ShadowView::cascade(direction, &sphere, &BOUNDS, TILE);
+            let view = ShadowView::cascade(direction, &sphere, &BOUNDS, TILE, true);
             let (a, b) = direction.any_orthonormal_pair();
             for edge in [a, -a, b, -b] {
                 let at = texel(&view, TILE, sphere.center + edge * sphere.radius_m);
@@ -407,7 +386,7 @@ mod tests {
     fn an_area_holds_what_its_box_covers() {
         let lamp = light(LightKind::Point { intensity_cd: 1.0 });
         let sphere = Sphere { center: DVec3::ZERO, radius_m: 3.0 };
-        let sun = ShadowView::cascade(directions()[1], &sphere, &BOUNDS, TILE);
+        let sun = ShadowView::cascade(directions()[1], &sphere, &BOUNDS, TILE, true);
         for view in [ShadowView::face(&lamp, 3, TILE), sun] {
             for (x, size) in [(-1.0, 0.1), (0.3, 0.7), (1.9, 0.4), (0.0, 9.0)] {
                 let center = Vec3::new(1.0 + x, 0.0, x - 2.0);

@@ -113,6 +113,8 @@ fn depth_stencil(subpass: &Subpass, pipeline: &Pipeline) -> vk::PipelineDepthSte
                 false => vk::CompareOp::EQUAL,
             })
         }
+        // At the far plane: seen where nothing is before it.
+        Pipeline::Sky => test.depth_write_enable(false).depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL),
         // A surface in front of the volume has both of its sides behind it, one behind the volume none, and one within
         // it the far side only: it alone is left with a count that is not 0, whatever side is counted first. Without a
         // near plane's end it holds too: what the near plane cuts off would have been in front of all surfaces.

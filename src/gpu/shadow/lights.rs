@@ -5,7 +5,7 @@ use std::f32::consts::SQRT_2;
 use glam::{DMat4, DVec3, DVec4};
 
 use super::super::shared::ShadowViewData;
-use crate::plan::{ShadowFilter, ShadowLight, ShadowMap, Tile, spread_texels};
+use crate::plan::{ShadowFilter, ShadowLight, ShadowMap, ShadowOptions, Tile, spread_texels};
 use crate::scene::{Aabb, Camera, Light, Scene};
 use crate::visible::{Cascades, MOST_CASCADES, ShadowShape, ShadowView};
 
@@ -18,32 +18,34 @@ pub(super) struct LightViews {
     place: ShadowLight,
     spread_texels: f32,
     offset_texels: f32,
+    stable: bool,
 }
 
 impl LightViews {
     /// Those of the map, in its order.
-    pub(super) fn of(scene: &Scene, filter: ShadowFilter, map: &ShadowMap) -> Vec<Self> {
-        let views = map.lights.iter().map(|place| Self::new(&scene.lights[place.light], filter, place));
+    pub(super) fn of(scene: &Scene, options: &ShadowOptions, map: &ShadowMap) -> Vec<Self> {
+        let views = map.lights.iter().map(|place| Self::new(&scene.lights[place.light], options, place));
         views.collect()
     }
 
-    fn new(light: &Light, filter: ShadowFilter, place: &ShadowLight) -> Self {
+    fn new(light: &Light, options: &ShadowOptions, place: &ShadowLight) -> Self {
         let shadow = light.shadow.unwrap_or_default();
         let room = place.size.guard.saturating_sub(ShadowMap::FILTER_MARGIN) as f32;
         let wanted = spread_texels(shadow).min(room);
         // And the distance to the farthest sample: a corner of a square, or a point on a circle.
-        let (spread_texels, reach) = match filter {
+        let (spread_texels, reach) = match options.filter {
             ShadowFilter::Hardware => (0.0, 0.0),
             ShadowFilter::Grid3 | ShadowFilter::Grid5 => (wanted, wanted * SQRT_2),
             ShadowFilter::Jittered => (wanted, wanted),
         };
         let offset_texels = reach + shadow.bias_texels;
-        Self { light: light.clone(), place: place.clone(), spread_texels, offset_texels }
+        let stable = options.stable;
+        Self { light: light.clone(), place: place.clone(), spread_texels, offset_texels, stable }
     }
 
     /// Changes the light; its tiles stay the same.
-    pub(super) fn set(&mut self, light: &Light, filter: ShadowFilter) {
-        *self = Self::new(light, filter, &self.place);
+    pub(super) fn set(&mut self, light: &Light, options: &ShadowOptions) {
+        *self = Self::new(light, options, &self.place);
     }
 
     /// Index into `Scene::lights`.
@@ -75,8 +77,8 @@ impl LightViews {
                     Cascades::new(camera, aspect, bounds_world, place.tiles.len().min(MOST_CASCADES));
                 let direction = light.direction_world.as_dvec3();
                 for (i, tile) in place.tiles.clone().enumerate() {
-                    let sphere = cascades.spheres().get(i);
-                    want(tile, sphere.map(|s| ShadowView::cascade(direction, s, bounds_world, place.size)));
+                    let view = |s| ShadowView::cascade(direction, s, bounds_world, place.size, self.stable);
+                    want(tile, cascades.spheres().get(i).map(view));
                 }
             }
             ShadowShape::Slab => want(place.tiles.start, Some(ShadowView::slab(light, place.size))),

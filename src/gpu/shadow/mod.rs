@@ -22,7 +22,7 @@ use super::shared::{InstanceData, ShadowViewData};
 use super::{
     Buffer, BufferDesc, Device, Geometry, Image, ImageDesc, MemoryUse, Owned, PipelineCache, StreamKind, conv,
 };
-use crate::plan::{Plan, ShadowFigures, ShadowFilter, ShadowMap, planned_bytes};
+use crate::plan::{Plan, ShadowFigures, ShadowMap, ShadowOptions, planned_bytes};
 use crate::scene::{Aabb, Light, Scene};
 use crate::visible::ShadowShape;
 use crate::{Error, Result};
@@ -81,12 +81,14 @@ impl RecordedShadows {
 }
 
 impl ShadowResources {
-    /// Makes the map's image.
+    /// Makes the map's image; with `capture` it can be read back.
     ///
     /// # Errors
     /// [`crate::Error::Unsupported`] if the device has no such depth images to sample; [`crate::Error::Vulkan`].
-    pub(super) fn new(device: &Device, map: &ShadowMap, slots: usize) -> Result<Self> {
+    pub(super) fn new(device: &Device, map: &ShadowMap, slots: usize, capture: bool) -> Result<Self> {
         let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
+        // Some GPUs leave images uncompressed that can be copied from.
+        let usage = if capture { usage | vk::ImageUsageFlags::TRANSFER_SRC } else { usage };
         let format = conv::format(map.format);
         let image = Image::new(device, &ImageDesc::new("shadow map", format, map.size, usage))?;
         let views = (0..slots).map(|_| {
@@ -164,7 +166,7 @@ pub(super) struct Shadows {
     bounds_world: Aabb,
     tiles: Tiles,
     most_tiles: usize,
-    filter: ShadowFilter,
+    options: ShadowOptions,
     /// Whether the image has content, and so a layout.
     in_use: bool,
 }
@@ -215,13 +217,13 @@ impl Shadows {
             resources,
             material_set_of,
             map: map.clone(),
-            lights: LightViews::of(scene, plan.options.shadows.filter, map),
+            lights: LightViews::of(scene, &plan.options.shadows, map),
             stream_offsets: casters.batches.iter().map(|b| stream_offsets(data.geometry(), map, b)).collect(),
             casters,
             bounds_world,
             tiles: Tiles::new(map.tiles.len()),
             most_tiles,
-            filter: plan.options.shadows.filter,
+            options: plan.options.shadows.clone(),
             in_use: false,
         })
     }
@@ -260,9 +262,9 @@ impl Shadows {
 
     /// Changes an element of `Scene::lights`, which [`Self::check_light`] has checked.
     pub(super) fn set_light(&mut self, index: usize, light: &Light) {
-        let filter = self.filter;
-        if let Some(mapped) = self.lights.iter_mut().find(|l| l.index() == index) {
-            mapped.set(light, filter);
+        let Self { lights, options, .. } = self;
+        if let Some(mapped) = lights.iter_mut().find(|l| l.index() == index) {
+            mapped.set(light, options);
         }
     }
 
@@ -271,6 +273,11 @@ impl Shadows {
         self.tiles.forget();
         self.in_use = false;
         self.static_map.iter_mut().for_each(|map| map.in_use = false);
+    }
+
+    /// The map, which is in SHADER_READ_ONLY_OPTIMAL between frames if something was drawn.
+    pub(super) fn image(&self) -> Option<&Image> {
+        self.in_use.then_some(&self.resources.image)
     }
 
     /// Device memory of the map and of what it is drawn with.

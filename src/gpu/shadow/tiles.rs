@@ -169,7 +169,7 @@ mod tests {
     fn view(x: f64) -> Option<ShadowView> {
         let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::ONE };
         let sphere = Sphere { center: DVec3::X * x, radius_m: 1.0 };
-        Some(ShadowView::cascade(DVec3::NEG_Y, &sphere, &bounds, TileSize { texels: 64, guard: 3 }))
+        Some(ShadowView::cascade(DVec3::NEG_Y, &sphere, &bounds, TileSize { texels: 64, guard: 3 }, true))
     }
 
     fn numbers(tiles: &Tiles) -> Vec<usize> {
