@@ -17,7 +17,8 @@ const LOADS: &str = "attachment-needs-readback";
 /// What they say of a pass that only clears, which is all that a scene of nothing needs.
 const ONLY_CLEARS: &str = "redundant-attachment-on-tile";
 
-/// What they say of a draw for each light and small object, which is the way of multi-pass shading.
+/// What they say of many draws of few triangles: a draw for each light and small object is the way of multi-pass shading, and
+/// one for each tile and small caster that of shadow maps. (What can be drawn at once is.)
 pub const MANY_DRAWS: &str = "many-small-indexed-drawcalls";
 
 /// What it says, mistakenly, of a pass that clears no attachment but a stencil.
@@ -86,7 +87,7 @@ impl Gpu<'_> {
         if plan.passes.iter().flat_map(|p| &p.attachments).any(|a| a.load == Load::Load) {
             self.excused.borrow_mut().insert(LOADS);
         }
-        if plan.path == Path::ForwardMultipass {
+        if plan.path == Path::ForwardMultipass || plan.shadow_map.is_some() {
             self.excused.borrow_mut().insert(MANY_DRAWS);
         }
         let clears = |a: &PassAttachment| [a.load, a.stencil.0].map(|load| load == Load::Clear);

@@ -187,7 +187,7 @@ fn half_the_bytes_do_where_light_is_parallel() {
         let room = one_light_each().remove(0);
         for m in [100.0, 1000.0] {
             let mut landscape = room.clone();
-            let mut far = room.instances[BALL].clone();
+            let mut far = room.instances[BALL];
             far.world_from_object = Mat4::from_translation(Vec3::new(m, m, -m)) * far.world_from_object;
             landscape.instances.push(far);
             let [d32, d16] = measure(&landscape, format!("sun in {m} m"));

@@ -64,13 +64,11 @@ fn a_moving_camera_leaves_the_texels_of_shadows_as_they_are() {
                 let texels = Texels::of(&offscreen, &tile);
                 let drawn = texels.depths.iter().filter(|d| **d != 0.0).count();
                 assert!(drawn > texels.depths.len() / 4, "the tile shows little: {drawn}");
-                if let Some(before) = before {
-                    if texels.changed(&before, [0, 0], 0.0) > 0 {
-                        let steps = [0, LATTICE, -LATTICE];
-                        let mut shifts = steps.into_iter().flat_map(|x| steps.map(|y| [x, y])).skip(1);
-                        let jumped = shifts.any(|shift| texels.changed(&before, shift, rounding) == 0);
-                        *if jumped { &mut jumps } else { &mut unsteady } += 1;
-                    }
+                if let Some(before) = before.filter(|before| texels.changed(before, [0, 0], 0.0) > 0) {
+                    let steps = [0, LATTICE, -LATTICE];
+                    let mut shifts = steps.into_iter().flat_map(|x| steps.map(|y| [x, y])).skip(1);
+                    let jumped = shifts.any(|shift| texels.changed(&before, shift, rounding) == 0);
+                    *if jumped { &mut jumps } else { &mut unsteady } += 1;
                 }
                 before = Some(texels);
                 // A texel is some 2 cm wide.

@@ -1,6 +1,7 @@
 //! What the judged process does: render a scene by a plan, perhaps a spoilt one, and write down what happened.
 
 use crate::common::scenes;
+use ontile::glam::{Mat4, Vec3};
 use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
 use ontile::plan::{Access, Layout, LightWay, Needs, Options, Path as LightPath, Plan, Store, Strategy};
 use ontile::scene::Scene;
@@ -23,6 +24,8 @@ pub struct Case {
     pub capture: bool,
     /// `RendererConfig::stage_timestamps`.
     pub stage_timestamps: bool,
+    /// The last instance is dynamic, and moves before a second frame.
+    pub moves: bool,
 }
 
 /// What is wrong with the plan.
@@ -67,11 +70,15 @@ impl Case {
             fault: None,
             capture: false,
             stage_timestamps: false,
+            moves: false,
         }
     }
 
     fn scene(&self) -> Scene {
-        scenes::built().into_iter().find(|scene| scene.name == self.scene).expect("a scene of this name")
+        let mut scenes = scenes::built().into_iter();
+        let mut scene = scenes.find(|scene| scene.name == self.scene).expect("a scene of this name");
+        scene.instances.iter_mut().rev().take(usize::from(self.moves)).for_each(|i| i.dynamic = true);
+        scene
     }
 
     fn plan(&self, scene: &Scene) -> Plan {
@@ -105,7 +112,14 @@ impl Case {
         };
         let scene = self.scene();
         let mut offscreen = Offscreen::new(host.device(), &scene, self.plan(&scene), config, &cache).unwrap();
-        offscreen.render(&View { camera: &scene.cameras[0], exposure_ev: 0.0 }).unwrap();
+        let view = View { camera: &scene.cameras[0], exposure_ev: 0.0 };
+        offscreen.render(&view).unwrap();
+        if self.moves {
+            let (index, instance) = scene.instances.iter().enumerate().next_back().unwrap();
+            let place = Mat4::from_translation(Vec3::Y * 0.1) * instance.world_from_object;
+            offscreen.renderer_mut().set_instance(index, &place).unwrap();
+            offscreen.render(&view).unwrap();
+        }
         let report = serde_json::to_value(offscreen.report(&scene)).unwrap();
         let queries =
             host.device().features().pipeline_statistics && host.device().caps().timestamp_valid_bits > 0;

@@ -51,7 +51,7 @@ impl Frame {
         let trace = Turnip::trace(command).trace;
         let told = std::fs::read(&told).unwrap_or_else(|e| panic!("{case:?} on {gpu} told nothing: {e}"));
         let mut told: Told = serde_json::from_slice(&told).unwrap();
-        if case.path == LightPath::ForwardMultipass {
+        if case.path == LightPath::ForwardMultipass || shadow_tiles(&told.report) > 0 {
             told.messages.retain(|message| !message.contains(MANY_DRAWS));
         }
         Self { trace, told }
@@ -137,6 +137,20 @@ fn metallic(scene: &str) -> Case {
 
 fn spoilt(fault: Fault) -> Case {
     Case { fault: Some(fault), ..metallic(ALL_STAGES) }
+}
+
+#[test]
+fn tiles_of_the_shadow_map_are_composed_without_a_load() {
+    let Some(turnip) = Turnip::find() else { return };
+    frames(&turnip, &Case { moves: true, ..metallic("shadows") }, |gpu, frame| {
+        let figures = &frame.told.report["device"]["shadows"];
+        assert!(figures["tiles_composed"].as_u64() > Some(0), "{gpu}: {figures}");
+        // The second frame's are the last.
+        let tiles = shadow_tiles(&frame.told.report);
+        let second = frame.trace.after(frame.trace.passes.len() - tiles - 1);
+        assert_eq!(shadow_passes(&second, tiles), [""; 0], "{gpu}");
+        assert_eq!(frame.told.messages, [""; 0], "{gpu}");
+    });
 }
 
 #[test]
