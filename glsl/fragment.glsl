@@ -6,6 +6,7 @@
 #include "light/ambient.glsl"
 #include "light/lightmap.glsl"
 #include "light/environment.glsl"
+#include "light/probes.glsl"
 
 layout(constant_id = ID_DOUBLE_SIDED) const bool DOUBLE_SIDED = false;
 layout(constant_id = ID_UNLIT) const bool UNLIT = false;
@@ -78,7 +79,12 @@ vec3 indirect_light(Fragment fragment) {
         if (ENVIRONMENT) {
             diffuse_nt += environment_irradiance_nt(surface.normal_world);
             vec3 towards = dominant_direction(surface.normal_world, v, surface.roughness);
-            specular_nt += environment_radiance_nt(towards, surface.roughness);
+            if (PROBES) {
+                vec3 position = position_world(surface.depth);
+                specular_nt = specular_radiance_nt(position, towards, surface.roughness, specular_nt);
+            } else {
+                specular_nt += environment_radiance_nt(towards, surface.roughness);
+            }
         }
         if (LIGHTMAP) {
             // The map has all diffuse light, and knows better what it is hidden from.

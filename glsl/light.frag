@@ -20,10 +20,13 @@ layout(location = TARGET_OUTPUT) out vec4 target_output;
 void main() {
     Surface surface = surface_at_fragment().surface;
     vec3 position = position_world(surface.depth);
-    vec3 light = light_reflected(push.light, surface, reflector(surface, view_direction_world()), position);
-    if (FOG) {
-        // The fog's own light is in the base.
-        light *= fog_transmittance(ray_origin_world(), position);
+    vec3 light = vec3(0.0);
+    if (push.light < frame.light_counts.x || is_lit_from(push.light, surface, position)) {
+        light = light_reflected(push.light, surface, reflector(surface, view_direction_world()), position);
+        if (FOG) {
+            // The fog's own light is in the base.
+            light *= fog_transmittance(ray_origin_world(), position);
+        }
     }
     target_output = vec4(light * (frame.exposure * frame.light_scale), 0.0);
 }

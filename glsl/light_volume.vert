@@ -84,16 +84,16 @@ float pixel_size(vec3 place) {
 
 // How much further out than a light its mesh is, metres.
 float room(Light light, float extent) {
-    return ROOM * extent + ROOM_PIXELS * pixel_size(light.position_world + frame.forward_world.xyz * extent);
+    return ROOM * extent + ROOM_PIXELS * pixel_size(light.place.xyz + frame.forward_world.xyz * extent);
 }
 
 vec3 sphere_position_world(Light light, uint vertex) {
-    float range = 1.0 / light.inverse_range;
-    return light.position_world + icosahedron(vertex) * ((range + room(light, range)) * ICOSAHEDRON_RADIUS);
+    float range = 1.0 / light.place.w;
+    return light.place.xyz + icosahedron(vertex) * ((range + room(light, range)) * ICOSAHEDRON_RADIUS);
 }
 
 vec3 cone_position_world(Light light, uint vertex) {
-    float range = 1.0 / light.inverse_range;
+    float range = 1.0 / light.place.w;
     vec3 axis = light.direction_world;
     // KHR_lights_punctual's offset is -cos(outer) * scale.
     float cosine = clamp(-light.spot_offset / light.edge, 0.0, 1.0);
@@ -103,13 +103,13 @@ vec3 cone_position_world(Light light, uint vertex) {
     float length = back + range + room(light, range);
     vec3 right = unit(cross(axis, abs(axis.y) < 0.5 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0)));
     vec3 corner = pyramid(vertex) * vec3(vec2(length * sine / cosine), length);
-    return light.position_world + mat3(right, cross(axis, right), axis) * corner - axis * back;
+    return light.place.xyz + mat3(right, cross(axis, right), axis) * corner - axis * back;
 }
 
 vec3 box_position_world(Light light, uint vertex) {
     vec3 half_size = light.half_size + room(light, length(light.half_size));
     vec3 right = cross(light.direction_world, light.up_world);
-    return light.position_world + mat3(right, light.up_world, -light.direction_world) * (cube(vertex) * half_size);
+    return light.place.xyz + mat3(right, light.up_world, -light.direction_world) * (cube(vertex) * half_size);
 }
 
 void main() {

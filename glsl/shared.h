@@ -17,8 +17,10 @@
 #define BINDING_SPLIT_SUM 8
 #define BINDING_ENVIRONMENT 9
 #define BINDING_RADIANCE 10
+#define BINDING_RADIANCES 10
 #define BINDING_LIGHTMAPS 11
 #define BINDING_LIGHTMAP 13
+#define BINDING_PROBES 14
 #define BINDING_VOLUMES 4
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
@@ -90,6 +92,7 @@
 #define ID_LIGHTMAP_UNIT 35
 #define ID_LIGHTMAP_RGBM 36
 #define ID_RGBM 40
+#define ID_HAS_ENVIRONMENT 41
 #define ID_SHADOW_FILTER 48
 #define ID_LIGHT_TARGET 49
 #define ID_AMBIENT 50
@@ -99,6 +102,7 @@
 #define ID_SHADOWS 54
 #define ID_GLOBE_MAPS 55
 #define ID_LIGHTMAP 56
+#define ID_PROBES 57
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

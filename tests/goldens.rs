@@ -4,7 +4,7 @@ mod common;
 
 use common::expected::Expected;
 use common::render::{LAVAPIPE, on_device};
-use common::scenes;
+use common::{environments, scenes};
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::Options;
 use std::io::Cursor;
@@ -54,7 +54,7 @@ fn pictures_look_as_expected() {
     on_device(Some(LAVAPIPE), |gpu| {
         let mut expected = Expected::in_folder("golden");
         let mut all = scenes::shipped();
-        all.extend([scenes::every_feature(), scenes::environment()]);
+        all.extend([scenes::every_feature(), environments::environment(), environments::probes()]);
         let mut names = Vec::new();
         for scene in all {
             let options = Options { size: SIZE, ..Options::default() };

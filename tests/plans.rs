@@ -3,7 +3,7 @@
 mod common;
 
 use common::expected::Expected;
-use common::scenes;
+use common::{environments, scenes};
 use ontile::plan::{Layout, LightWay, Limits, Needs, Options, OutputFormat, Path, Plan, Strategy};
 use ontile::scene::Scene;
 
@@ -61,8 +61,9 @@ fn printed() -> Vec<(String, String)> {
             "every_feature_multipass".into(),
             plan(&features, Options { path: Path::ForwardMultipass, ..default() }),
         ),
-        ("environment".into(), plan(&scenes::environment(), default())),
-        ("environment_forward".into(), plan(&scenes::environment_alone(), forward())),
+        ("environment".into(), plan(&environments::environment(), default())),
+        ("probes".into(), plan(&environments::probes(), default())),
+        ("environment_forward".into(), plan(&environments::environment_alone(), forward())),
         ("lit_clusters".into(), plan(&lights, by(LightWay::Clusters))),
         ("lit_volumes".into(), plan(&lights, by(LightWay::Volumes))),
         ("lit_stencil".into(), plan(&lights, by(LightWay::Stencil))),

@@ -16,7 +16,7 @@ use ontile::gpu::shader::{
 };
 use ontile::gpu::shared::{
     ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush, MaterialData,
-    ShadowPush, ShadowViewData,
+    ProbeData, ShadowPush, ShadowViewData,
 };
 use ontile::plan::{Layout, Tonemap};
 use reflect::{Block, Reflection, block};
@@ -136,7 +136,7 @@ fn names_are_unique() {
     assert_eq!(all.iter().map(|m| m.name()).collect::<BTreeSet<_>>().len(), all.len());
 }
 
-fn blocks() -> [Block; 9] {
+fn blocks() -> [Block; 10] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -168,8 +168,7 @@ fn blocks() -> [Block; 9] {
         ),
         block!(
             "Light" = LightData {
-                position_world,
-                inverse_range,
+                place,
                 intensity,
                 edge,
                 direction_world,
@@ -189,6 +188,7 @@ fn blocks() -> [Block; 9] {
                 ShadowViewData { map_from_world, tile, texel_m, spread_texels, offset_texels, lift_texels }
         ),
         block!("ShadowPush" = ShadowPush { clip_from_world, nearest_depth }),
+        block!("Probe" = ProbeData { probe_from_world_rows, half_size, falloff, rotation, scale, padding }),
         block!("Environment" = EnvironmentUniforms { irradiance, rotation, scale, last_level }),
     ]
 }

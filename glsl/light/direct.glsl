@@ -48,7 +48,7 @@ vec3 light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
     float n_dot_l = dot(surface.normal_world, incident.direction);
     if (SHADOWS && lights[i].shadow != 0u && n_dot_l > 0.0 && incident.illuminance != vec3(0.0)) {
         incident.illuminance *= shadow(
-            lights[i].shadow, lights[i].position_world, position, surface.normal_world, incident.direction);
+            lights[i].shadow, lights[i].place.xyz, position, surface.normal_world, incident.direction);
     }
     vec3 bsdf = brdf(r, incident.direction, clamp(n_dot_l, 0.0, 1.0));
     vec3 sum = bsdf * (incident.illuminance * max(n_dot_l, 0.0));
@@ -64,29 +64,22 @@ bool is_lit_from(uint i, Surface surface, vec3 position) {
         bool faces = HAS_BACK || dot(surface.normal_world, lights[i].direction_world) < 0.0;
         return faces && all(lessThan(abs(in_light_frame(lights[i], position)), lights[i].half_size));
     }
-    vec3 to_light = lights[i].position_world - position;
-    float inverse_range = lights[i].inverse_range;
-    bool in_range = dot(to_light, to_light) * (inverse_range * inverse_range) < 1.0;
+    vec4 place = lights[i].place;
+    vec3 to_light = place.xyz - position;
+    bool in_range = dot(to_light, to_light) * (place.w * place.w) < 1.0;
     return in_range && dot(surface.normal_world, to_light) > 0.0;
-}
-
-// The first place from `next` to `end` in the lists whose light may add something.
-uint next_listed(uint next, uint end, Surface surface, vec3 position) {
-    while (next < end && !is_lit_from(clusters.words[next], surface, position)) {
-        ++next;
-    }
-    return next;
 }
 
 // What a surface at `position` reflects of the lights listed for its cell.
 vec3 listed_light(Surface surface, Reflector r, vec3 position) {
     vec3 sum = vec3(0.0);
     uvec2 list = cluster_list(position);
-    // Each pixel of a group looks for its own next light, so that the group evaluates the BRDF as often as the pixel
-    // with the most lights needs it. A branch around the BRDF would save less, and nothing where pixels are only
-    // masked: lavapipe leaves loops early, but no branch.
-    for (uint next = list.x; (next = next_listed(next, list.y, surface, position)) < list.y; ++next) {
-        sum += light_reflected(clusters.words[next], surface, r, position);
+    for (uint next = list.x; next < list.y; ++next) {
+        uint i = clusters.words[next];
+        // Neighbours nearly always agree, so that looking for one's own next light would save nothing.
+        if (is_lit_from(i, surface, position)) {
+            sum += light_reflected(i, surface, r, position);
+        }
     }
     return sum;
 }

@@ -5,7 +5,7 @@ const float MIN_FALLOFF = 1e-4;
 
 // In the light's frame: x right, y up, -z the way the light travels.
 vec3 in_light_frame(Light light, vec3 position_world) {
-    vec3 from_light = position_world - light.position_world;
+    vec3 from_light = position_world - light.place.xyz;
     vec3 right_world = cross(light.direction_world, light.up_world);
     return vec3(
         dot(from_light, right_world), dot(from_light, light.up_world), -dot(from_light, light.direction_world)

@@ -2,8 +2,7 @@
 
 // Mirrors LightData in src/gpu/shared.rs.
 struct Light {
-    vec3 position_world;
-    float inverse_range;  // 1 / m; 0: infinite
+    vec4 place;           // position, world; w: 1 / range in 1 / m, 0: infinite. One load where lights are looked through
     vec3 intensity;       // colour * candela, directional and box: colour * lux
     float edge;           // of a spot: spot_falloff's scale; of a box the width of its falloff, metres
     vec3 direction_world; // the way the light travels
@@ -50,10 +49,10 @@ Incident light_directional(Light light) {
 }
 
 Incident light_point(Light light, vec3 position_world) {
-    vec3 to_light = light.position_world - position_world;
+    vec3 to_light = light.place.xyz - position_world;
     float distance_squared = max(dot(to_light, to_light), MIN_DISTANCE_SQUARED);
     float inverse_distance = inversesqrt(distance_squared);
-    float window = range_window(distance_squared * inverse_distance, light.inverse_range);
+    float window = range_window(distance_squared * inverse_distance, light.place.w);
     return Incident(to_light * inverse_distance, light.intensity * (window / distance_squared), vec3(0.0));
 }
 

@@ -78,11 +78,15 @@ fn read_environment(scene: &mut Scene, args: &SceneArgs) -> Result<()> {
     Ok(())
 }
 
-/// Filters the scene's environment, or reads what an earlier run has kept of it.
+/// Filters the scene's environments, or reads what an earlier run has kept of them.
 pub fn prefilter(scene: &mut Scene, format: TexelFormat) {
-    let Some(environment) = &mut scene.environment else { return };
-    let _progress = Progress::of(format!("filtering {}", environment.name));
-    environment.prefilter(DEFAULT_FACE_SIZE, format, Cache::of_user().as_ref());
+    // One texture holds all.
+    let filtered = scene.environments().find_map(|e| e.prefiltered.as_ref());
+    let (format, size) = filtered.map_or((format, DEFAULT_FACE_SIZE), |p| (p.format(), p.face_size()));
+    for environment in scene.environments_mut() {
+        let _progress = Progress::of(format!("filtering {}", environment.name));
+        environment.prefilter(size, format, Cache::of_user().as_ref());
+    }
 }
 
 /// The camera that the arguments name; the first by default.

@@ -139,6 +139,16 @@ fn environments_arrive() {
 }
 
 #[test]
+fn backgrounds_and_lightmap_formats_arrive() {
+    let args: RenderArgs = parse("s.glb -o o.png --background environment --lightmap-format rgbm").unwrap();
+    assert_eq!(args.scene.background, Some(Background::Environment));
+    assert_eq!(args.options().lightmap_format, TexelFormat::Rgbm);
+    let args: RenderArgs = parse("s.glb -o o.png").unwrap();
+    assert_eq!(args.scene.background, None);
+    assert_eq!(args.options().lightmap_format, Options::default().lightmap_format);
+}
+
+#[test]
 fn usage_errors_say_what_is_right() {
     let cases = [
         ("s.glb", "--output"),

@@ -61,6 +61,8 @@ pub struct Caps {
     pub d32_s8: bool,
     /// The `pipelineStatisticsQuery` feature.
     pub pipeline_statistics: bool,
+    /// The `imageCubeArray` feature.
+    pub image_cube_array: bool,
     /// VK_KHR_dynamic_rendering_local_read.
     pub local_read: bool,
     /// VK_EXT_rasterization_order_attachment_access (or Arm's original) for colour.
@@ -223,6 +225,7 @@ impl Caps {
                 format.optimal_tiling_features.contains(vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT)
             },
             pipeline_statistics: features.pipeline_statistics_query == vk::TRUE,
+            image_cube_array: features.image_cube_array == vk::TRUE,
             local_read: local_read.dynamic_rendering_local_read == vk::TRUE,
             rasterization_order_attachment_access: order.rasterization_order_color_attachment_access
                 == vk::TRUE,

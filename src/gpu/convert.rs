@@ -45,8 +45,7 @@ pub(super) fn light(l: &Light, globe_map: Option<u32>) -> LightData {
         _ => (Vec3::ZERO, 0.0, 0.0),
     };
     LightData {
-        position_world: l.position_world.to_array(),
-        inverse_range: l.range_m.map_or(0.0, f32::recip),
+        place: l.position_world.extend(l.range_m.map_or(0.0, f32::recip)).to_array(),
         intensity: (l.color * l.intensity()).to_array(),
         edge,
         direction_world: l.direction_world.to_array(),

@@ -42,6 +42,8 @@ pub struct Features {
     pub debug_utils: bool,
     /// `pipelineStatisticsQuery`.
     pub pipeline_statistics: bool,
+    /// `imageCubeArray`: scenes with probes want it.
+    pub image_cube_array: bool,
 }
 
 /// A Vulkan device and what is needed to use it. Clones are cheap and share everything.

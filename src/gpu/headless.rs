@@ -229,9 +229,11 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
     let &Candidate { physical_device, queue_family, ref caps } = candidate;
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&[1.0])];
-    let features = vk::PhysicalDeviceFeatures::default().pipeline_statistics_query(caps.pipeline_statistics);
+    let features = vk::PhysicalDeviceFeatures::default()
+        .pipeline_statistics_query(caps.pipeline_statistics)
+        .image_cube_array(caps.image_cube_array);
     let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_features(&features);
-    // SAFETY: the family exists, and the feature is one that the device has.
+    // SAFETY: the family exists, and the features are those that the device has.
     let raw = unsafe { instance.raw.create_device(physical_device, &info, None) }.called("vkCreateDevice")?;
     let host = HostDevice {
         instance: instance.raw.clone(),
@@ -245,6 +247,7 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
         features: Features {
             debug_utils: instance.debug_utils,
             pipeline_statistics: caps.pipeline_statistics,
+            image_cube_array: caps.image_cube_array,
         },
     };
     let owned = OwnedDevice { raw, _instance: instance };

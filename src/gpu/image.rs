@@ -6,6 +6,17 @@ use crate::{Error, Result};
 use ash::vk;
 use gpu_allocator::vulkan::AllocationScheme;
 
+/// Whether the layers of an image are faces of cubes, six each, and how its view shows them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cubes {
+    /// They are not.
+    None,
+    /// One cube.
+    One,
+    /// An array of cubes, also if it is one (feature `imageCubeArray`).
+    Array,
+}
+
 /// What an [`Image`] is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct ImageDesc<'a> {
@@ -19,8 +30,8 @@ pub struct ImageDesc<'a> {
     pub levels: u32,
     /// Array layers, at least 1; more than one makes the view an array.
     pub layers: u32,
-    /// Layers are a cube's faces, six of them; the view is one of the cube.
-    pub cube: bool,
+    /// Whether layers are faces of cubes.
+    pub cubes: Cubes,
     /// Samples per texel.
     pub samples: vk::SampleCountFlags,
     /// Everything it is used for.
@@ -36,7 +47,7 @@ impl<'a> ImageDesc<'a> {
             size,
             levels: 1,
             layers: 1,
-            cube: false,
+            cubes: Cubes::None,
             samples: vk::SampleCountFlags::TYPE_1,
             usage,
         }
@@ -54,7 +65,7 @@ pub struct Image {
     size: [u32; 2],
     levels: u32,
     layers: u32,
-    cube: bool,
+    cubes: Cubes,
     samples: vk::SampleCountFlags,
     usage: vk::ImageUsageFlags,
 }
@@ -123,7 +134,7 @@ impl Image {
             size: desc.size,
             levels: desc.levels,
             layers: desc.layers,
-            cube: desc.cube,
+            cubes: desc.cubes,
             samples: desc.samples,
             usage: desc.usage,
         };
@@ -148,10 +159,11 @@ impl Image {
         };
         let info = vk::ImageViewCreateInfo::default()
             .image(self.raw())
-            .view_type(match self.layers {
-                _ if self.cube => vk::ImageViewType::CUBE,
-                1 => vk::ImageViewType::TYPE_2D,
-                _ => vk::ImageViewType::TYPE_2D_ARRAY,
+            .view_type(match (self.cubes, self.layers) {
+                (Cubes::One, _) => vk::ImageViewType::CUBE,
+                (Cubes::Array, _) => vk::ImageViewType::CUBE_ARRAY,
+                (Cubes::None, 1) => vk::ImageViewType::TYPE_2D,
+                (Cubes::None, _) => vk::ImageViewType::TYPE_2D_ARRAY,
             })
             .format(self.format)
             .subresource_range(vk::ImageSubresourceRange {
@@ -314,7 +326,10 @@ fn check_support(device: &Device, desc: &ImageDesc<'_>) -> Result<()> {
 }
 
 fn create_flags(desc: &ImageDesc<'_>) -> vk::ImageCreateFlags {
-    if desc.cube { vk::ImageCreateFlags::CUBE_COMPATIBLE } else { vk::ImageCreateFlags::empty() }
+    match desc.cubes {
+        Cubes::None => vk::ImageCreateFlags::empty(),
+        Cubes::One | Cubes::Array => vk::ImageCreateFlags::CUBE_COMPATIBLE,
+    }
 }
 
 /// What a format must support to be used like this (Vulkan 1.3, 48.1.1, "Potential Format Features").

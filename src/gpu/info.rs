@@ -42,6 +42,7 @@ impl fmt::Display for Caps {
             }
         }
         writeln!(f, "  pipeline statistics         {}", yes(self.pipeline_statistics))?;
+        writeln!(f, "  arrays of cube maps         {}", yes(self.image_cube_array))?;
         writeln!(f, "  local read                  {}", yes(self.local_read))?;
         writeln!(f, "  rasterization-order access  {}", yes(self.rasterization_order_attachment_access))?;
         writeln!(f, "  subpass merge feedback      {}", yes(self.subpass_merge_feedback))?;

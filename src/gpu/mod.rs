@@ -63,7 +63,7 @@ pub use command::{Commands, Label, Recorder};
 pub use device::{Device, Features, HostDevice};
 pub use geometry::{Geometry, IndexWidth, MeshRange, StreamGroup, StreamKind, Streams};
 pub use headless::{Headless, HeadlessOptions};
-pub use image::{Image, ImageDesc};
+pub use image::{Cubes, Image, ImageDesc};
 pub use info::devices;
 pub use memory::MemoryUse;
 pub use offscreen::Offscreen;

@@ -82,10 +82,9 @@ pub struct EnvironmentUniforms {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct LightData {
-    /// Metres; of a box its centre; unused by directional lights.
-    pub position_world: [f32; 3],
-    /// 1 / metres; 0 reaches everywhere.
-    pub inverse_range: f32,
+    /// Position in metres, of a box its centre; the fourth is 1 / range in 1 / metres, and 0 reaches everywhere. Unused
+    /// by directional lights.
+    pub place: [f32; 4],
     /// Colour times candela, or times lux for directional and box lights.
     pub intensity: [f32; 3],
     /// Of a spot `1 / max(0.001, cos(inner) - cos(outer))` of the cone's half angles (KHR_lights_punctual); of a box the
@@ -135,6 +134,24 @@ pub struct ShadowPush {
     pub clip_from_world: [[f32; 4]; 4],
     /// Nothing is drawn nearer to the light than at this depth.
     pub nearest_depth: f32,
+}
+
+/// What glossy surfaces reflect inside a box: `Probe` in `glsl/light/environment.glsl`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct ProbeData {
+    /// The first three rows of the transform into the box's space, metres along its axes from its centre.
+    pub probe_from_world_rows: [[f32; 4]; 3],
+    /// Half the box's size, metres.
+    pub half_size: [f32; 3],
+    /// Within each face, metres.
+    pub falloff: f32,
+    /// Cosine and sine of the angle by which the captured picture is turned about the box's +Y.
+    pub rotation: [f32; 2],
+    /// cd/m² of a stored 1.
+    pub scale: f32,
+    /// Unused.
+    pub padding: f32,
 }
 
 /// How a view is cut into cells: `ClusterGrid` in `glsl/light/clusters.glsl`, std430. The cells' lists follow it

@@ -297,6 +297,7 @@ impl Plan {
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
         check_size(options.size, limits)?;
         check_dither(&options)?;
+        around::check(&needs)?;
         let (path, path_why) = path::resolve(&needs, &options)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
         let frame = stage::Frame::new(&needs, &options, path, light_way, limits.depth_stencil);
@@ -334,9 +335,9 @@ impl Plan {
         self.needs.lit.is_some() && self.path == Path::Deferred
     }
 
-    /// How the environment's radiance is stored, and the edge of its largest level in texels.
+    /// How the radiance of environment and probes is stored, and the edge of the largest level in texels.
     pub fn environment_texels(&self) -> Option<(TexelFormat, u32)> {
-        self.needs.environment.as_ref().map(|need| around::environment_texels(need, &self.options))
+        around::environment_texels(&self.needs, &self.options)
     }
 
     /// Whether a light target exists.

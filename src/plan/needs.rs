@@ -157,6 +157,7 @@ impl std::fmt::Display for SurfaceKind {
             (self.around == Around::Environment, "environment"),
             (self.has_lightmap(), "lightmap"),
             (self.lightmap == LightmapUse::Elsewhere, "vertices of lightmapped instances"),
+            (self.around == Around::Probes, "probes"),
         ];
         flags.iter().filter(|(on, _)| *on).try_for_each(|(_, name)| write!(f, " +{name}"))
     }
@@ -206,6 +207,8 @@ pub struct Needs {
     pub environment: Option<EnvironmentNeed>,
     /// Lights that cast shadows, and what casts them.
     pub shadows: ShadowNeeds,
+    /// Probes, if anything receives their light.
+    pub probes: Vec<EnvironmentNeed>,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
     /// The background, as linear display light, if it is a colour.
@@ -256,8 +259,9 @@ impl Needs {
         let kinds: Vec<_> = kinds.into_values().collect();
         let first = |wanted: fn(&SurfaceKind) -> bool| kinds.iter().find(|n| wanted(&n.kind));
         let lit = first(|k| !k.unlit).map(|n| n.why.clone());
-        let environment = EnvironmentNeed::of(scene);
+        let environment = scene.environment.as_ref().filter(|e| !e.is_dark());
         let sky = scene.background == Background::Environment && environment.is_some();
+        let environment = environment.filter(|_| lit.is_some() || sky);
         let mut prelit = Vec::new();
         if lit.is_some() {
             let mut ask = |wanted, what| prelit.extend(first(wanted).map(|n| format!("{} {what}", n.why)));
@@ -266,6 +270,7 @@ impl Needs {
             ask(|k| k.around == Around::Ambient, "receives ambient light");
             ask(|k| k.around == Around::Environment, "receives light of the environment");
             ask(|k| k.has_lightmap(), "has a lightmap");
+            ask(|k| k.around == Around::Probes, "receives light of probes");
             prelit.extend(sky.then(|| "the environment is seen behind surfaces".to_owned()));
         }
         let lights = || scene.lights.iter().filter(|l| !l.is_dark());
@@ -283,7 +288,16 @@ impl Needs {
             endless_lights: lights().filter(|l| is_local(l) && Reach::of(l) == Reach::Everywhere).count(),
             globe_maps: lights().filter(|l| l.shown_globe_map().is_some()).count(),
             most_local_lights: most_local_lights(scene),
-            environment: environment.filter(|_| lit.is_some() || sky),
+            environment: environment.map(EnvironmentNeed::new),
+            probes: scene
+                .probes
+                .iter()
+                .filter(|_| lit.is_some())
+                .map(|probe| EnvironmentNeed {
+                    name: probe.name.clone(),
+                    ..EnvironmentNeed::new(&probe.environment)
+                })
+                .collect(),
             sky,
             lightmap: first(|k| k.has_lightmap()).and_then(|_| LightmapNeed::of(scene)),
             shadows,

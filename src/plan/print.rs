@@ -173,7 +173,11 @@ impl Plan {
         writeln!(f, "\nsampled for light from all around: {}", self.around.len())?;
         for image in &self.around {
             let [width, height] = image.size;
-            let shape = if image.faces == 6 { "cube " } else { "" };
+            let shape = match image.cubes {
+                0 => String::new(),
+                1 => "cube ".into(),
+                cubes => format!("{cubes} cubes "),
+            };
             let levels = if image.levels == 1 { String::new() } else { format!(", {} levels", image.levels) };
             let (name, format, bytes, why) = (image.name, image.format, image.bytes, &image.why);
             writeln!(f, "  {name:<10} {shape}{width}x{height}{levels}, {format}, {bytes} bytes; {why}")?;

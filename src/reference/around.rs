@@ -9,7 +9,7 @@ use super::environment::Integrator;
 use super::gbuffer::Attributes;
 use super::lightmap;
 use crate::environment::{DEFAULT_FACE_SIZE, Lookup, Prefiltered, TexelFormat, split_sum};
-use crate::scene::{Environment, Scene};
+use crate::scene::{Environment, Probe, Scene};
 
 /// How light from all around is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub enum Method {
     /// into this format unless the scene brings it filtered.
     Prefiltered(TexelFormat),
     /// The integral of BRDF, n·l and radiance, by this many directions for each of three ways to choose them. Wants a
-    /// panorama.
+    /// panorama. Probes do not count: they stand for surfaces of the scene.
     Integral {
         /// Directions a way.
         samples: u32,
@@ -35,6 +35,7 @@ impl Default for Method {
 pub struct Around<'a> {
     ambient_nt: DVec3,
     environment: Option<&'a Environment>,
+    probes: Vec<(&'a Probe, Lookup)>,
     pub(super) lightmap: Option<lightmap::Lookup>,
     way: Way,
 }
@@ -52,16 +53,21 @@ impl<'a> Around<'a> {
     pub fn new(scene: &'a Scene, method: Method) -> Self {
         let environment = scene.environment.as_ref().filter(|e| !e.is_dark());
         let panorama = |e: &'a Environment| e.panorama.as_deref().expect("the environment has a panorama");
+        let mut probes = Vec::new();
         let way = match method {
-            Method::Prefiltered(format) => Way::Prefiltered(environment.map(|e| match &e.prefiltered {
-                Some(prefiltered) => Lookup::new(prefiltered),
-                None => Lookup::new(&Prefiltered::new(panorama(e), DEFAULT_FACE_SIZE, format)),
-            })),
+            Method::Prefiltered(format) => {
+                let lookup = |e: &'a Environment| match &e.prefiltered {
+                    Some(prefiltered) => Lookup::new(prefiltered),
+                    None => Lookup::new(&Prefiltered::new(panorama(e), DEFAULT_FACE_SIZE, format)),
+                };
+                probes.extend(scene.probes.iter().map(|probe| (probe, lookup(&probe.environment))));
+                Way::Prefiltered(environment.map(lookup))
+            }
             Method::Integral { samples } => {
                 Way::Integral(Integrator::new(environment.map(panorama), samples))
             }
         };
-        Self { ambient_nt: scene.ambient_nt.as_dvec3(), environment, lightmap: None, way }
+        Self { ambient_nt: scene.ambient_nt.as_dvec3(), environment, probes, lightmap: None, way }
     }
 
     /// With the scene's lightmap: [`lightmap::Lookup::new`].
@@ -90,13 +96,14 @@ impl<'a> Around<'a> {
         match &self.way {
             Way::Prefiltered(lookup) => {
                 let (mut diffuse_nt, mut specular_nt) = (self.ambient_nt, self.ambient_nt);
+                let direction = dominant_direction(n, v, surface.roughness);
                 if let (Some(lookup), Some(environment)) = (lookup, self.environment) {
-                    let intensity = f64::from(environment.intensity);
-                    let local = |d| environment.environment_from_world(d);
-                    diffuse_nt += lookup.irradiance(local(n)) * intensity;
-                    let direction = dominant_direction(n, v, surface.roughness);
-                    specular_nt += lookup.radiance(local(direction), surface.roughness) * intensity;
+                    let local = environment.environment_from_world(n);
+                    diffuse_nt += lookup.irradiance(local) * f64::from(environment.intensity);
+                    specular_nt += seen(environment, lookup, direction, surface.roughness);
                 }
+                let (sum, weights) = self.from_probes(surface, direction);
+                let specular_nt = sum / weights.max(1.0) + specular_nt * (1.0 - weights).max(0.0);
                 light_around(surface, n.dot(v), diffuse_nt, specular_nt, occlusion)
             }
             Way::Integral(integrator) => {
@@ -107,6 +114,16 @@ impl<'a> Around<'a> {
                 (ambient * self.ambient_nt + environment * intensity) * occlusion
             }
         }
+    }
+
+    /// Radiance around a direction from the probes that the surface is inside of, times their weights, and the weights' sum.
+    fn from_probes(&self, surface: &Attributes, direction: DVec3) -> (DVec3, f64) {
+        self.probes.iter().fold((DVec3::ZERO, 0.0), |(sum, weights), (probe, lookup)| {
+            let position = probe.probe_from_world(surface.position_world);
+            let weight = probe.weight(position);
+            let towards = probe.projected(position, direction);
+            (sum + seen(&probe.environment, lookup, towards, surface.roughness) * weight, weights + weight)
+        })
     }
 
     /// As [`Self::reflected`], of a surface whose diffuse light comes from a lightmap alone: `lightmap_lx` is the irradiance,
@@ -125,6 +142,12 @@ impl<'a> Around<'a> {
         let albedo = diffuse_albedo(surface, surface.normal_world.dot(to_viewer));
         coat.lerp(metal, surface.metallic) + lightmap_lx * FRAC_1_PI * albedo
     }
+}
+
+/// Radiance around a direction.
+fn seen(environment: &Environment, lookup: &Lookup, direction: DVec3, roughness: f64) -> DVec3 {
+    lookup.radiance(environment.environment_from_world(direction), roughness)
+        * f64::from(environment.intensity)
 }
 
 /// What a surface reflects of irradiance over pi that comes from all around.
@@ -290,5 +313,52 @@ mod tests {
             println!("split sum against the integral, sun {sun}: rms {rms:.3}, worst {worst:.3} of the mean");
             assert!(rms < rms_bound && worst < worst_bound, "sun {sun}: {rms} {worst}");
         }
+    }
+
+    /// In a room whose walls are where the probe's box is, a mirror shows the walls where they are, wherever it stands.
+    #[test]
+    fn a_mirror_in_a_room_shows_its_walls_in_their_places() {
+        /// Radiance from 0 to 1 between texels of 0.7 degrees, seen from at most 3 m away.
+        const MOST: f64 = 0.02;
+        let wall = |hit: DVec3| (hit * DVec3::new(1.3, 1.7, 0.9)).map(|x| 0.5 + 0.5 * x.sin());
+        let dark = Panorama::new(4, 2, vec![Vec3::ZERO; 8]).unwrap();
+        let mut probe = Probe {
+            name: "room".into(),
+            position_world: Vec3::new(5.0, 1.0, -2.0),
+            world_from_probe: glam::Quat::from_rotation_y(0.3) * glam::Quat::from_rotation_x(0.2),
+            half_size_m: Vec3::new(2.0, 1.2, 1.5),
+            falloff_m: 0.0,
+            environment: Environment::new("dark", dark),
+        };
+        let (width, height) = (512, 256);
+        let world_from_probe = probe.world_from_probe.as_dquat();
+        let texel = |i: u32| {
+            let (x, y) = (f64::from(i % width) + 0.5, f64::from(i / width) + 0.5);
+            let d = direction_from_uv([x / f64::from(width), y / f64::from(height)]);
+            wall(probe.projected(DVec3::ZERO, world_from_probe * d)).as_vec3()
+        };
+        let captured = Panorama::new(width, height, (0..width * height).map(texel).collect()).unwrap();
+        let filtered = Prefiltered::new(&captured, 128, TexelFormat::Rgba16F);
+        probe.environment =
+            Environment { prefiltered: Some(Arc::new(filtered)), ..Environment::new("room", captured) };
+        let scene = Scene { probes: vec![probe.clone()], ambient_nt: Vec3::splat(100.0), ..Scene::default() };
+        let around = Around::new(&scene, Method::default());
+        let mut unprojected: f64 = 0.0;
+        for i in 0..300 {
+            let random = |k: f64| (f64::from(i) * k).fract() * 1.8 - 0.9;
+            let place =
+                DVec3::new(random(0.618), random(0.754), random(0.569)) * probe.half_size_m.as_dvec3();
+            let position_world = probe.position_world.as_dvec3() + world_from_probe * place;
+            let n = direction(random(0.81).abs(), f64::from(i));
+            let v = direction(0.9, 0.2 * f64::from(i));
+            let v = if n.dot(v) < 0.3 { n } else { v };
+            let surface = Attributes { position_world, normal_world: n, ..surface(1.0, 0.0, DVec3::ONE) };
+            let mirrored = n * (2.0 * n.dot(v)) - v;
+            let truth = wall(probe.projected(place, mirrored));
+            let shown = around.reflected(&surface, v, 1.0);
+            assert!((shown - truth).abs().max_element() < MOST, "{place}: {shown} {truth}");
+            unprojected = unprojected.max((wall(probe.projected(DVec3::ZERO, mirrored)) - truth).length());
+        }
+        assert!(unprojected > 0.5, "the test can tell: without projection {unprojected}");
     }
 }

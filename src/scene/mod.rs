@@ -13,6 +13,7 @@ mod lightmap;
 mod material;
 mod mesh;
 mod mipmaps;
+mod probe;
 mod surroundings;
 
 pub use camera::{Camera, Projection};
@@ -24,6 +25,7 @@ pub use lightmap::{Lightmap, LightmapRect};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
 pub use mipmaps::{MipLevel, mip_level_count, mipmaps};
+pub use probe::Probe;
 pub use surroundings::{Background, Fog, FogHeight};
 
 use glam::Vec3;
@@ -63,6 +65,8 @@ pub struct Scene {
     pub fog: Option<Fog>,
     /// Radiance from far away, in addition to `ambient_nt`.
     pub environment: Option<Environment>,
+    /// What glossy surfaces reflect inside boxes.
+    pub probes: Vec<Probe>,
     /// View points. [`Scene::load`] always gives at least one.
     pub cameras: Vec<Camera>,
     /// What the loader had to leave out or change, one sentence each.
@@ -76,6 +80,16 @@ impl Scene {
             .iter()
             .filter_map(|i| Some(self.meshes[i.mesh].bounds()?.transformed(&i.world_from_object)))
             .reduce(|a, b| a.union(&b))
+    }
+
+    /// The environment and what probes captured.
+    pub fn environments(&self) -> impl Iterator<Item = &Environment> {
+        self.probes.iter().map(|probe| &probe.environment).chain(&self.environment)
+    }
+
+    /// As [`Self::environments`].
+    pub fn environments_mut(&mut self) -> impl Iterator<Item = &mut Environment> {
+        self.probes.iter_mut().map(|probe| &mut probe.environment).chain(&mut self.environment)
     }
 
     /// The instances that have triangles to draw.

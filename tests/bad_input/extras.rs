@@ -147,3 +147,39 @@ fn parts_of_lightmaps() {
         expect_input_error(&name, file.load(), "nodes[0].extras.ontile.lightmap", problem);
     }
 }
+
+#[test]
+fn probes() {
+    let room = |change: fn(&mut Value)| {
+        let mut probe = json!({"size": [4, 3, 5], "falloff": 0.5, "file": "room.hdr"});
+        change(&mut probe);
+        probe
+    };
+    for (value, element, problem) in [
+        (json!(3), "", "must be an object"),
+        (room(|p| p["extent"] = json!(1)), ".extent", "not a name"),
+        (room(|p| _ = p.as_object_mut().unwrap().remove("size")), "", "no size"),
+        (room(|p| p["size"] = json!([4, 3])), ".size", "3 numbers above 0"),
+        (room(|p| p["size"] = json!([4, 0, 5])), ".size", "3 numbers above 0"),
+        (room(|p| p["size"] = json!([4, 1e39, 5])), ".size", "3 numbers above 0"),
+        (room(|p| p["falloff"] = json!(-1)), ".falloff", "at least 0"),
+        (room(|p| p["intensity"] = json!(-1)), ".intensity", "at least 0"),
+        (room(|p| p["rotation"] = json!("north")), ".rotation", "degrees"),
+        (room(|p| _ = p.as_object_mut().unwrap().remove("file")), "", "no file"),
+        (room(|p| p["file"] = json!("http://rooms.example/room.hdr")), ".file", ""),
+    ] {
+        let name = value.to_string();
+        let mut file = lit("point");
+        set(&mut file, "/nodes/0/extras", json!({"ontile": {"probe": value}}));
+        let place = format!("nodes[0].extras.ontile.probe{element}");
+        expect_input_error(&name, file.load(), &place, problem);
+    }
+    let mut flat = lit("point");
+    let node = flat.root_node(json!({"scale": [0, 0, 0]}));
+    set(&mut flat, &format!("/nodes/{node}/extras"), json!({"ontile": {"probe": room(|_| ())}}));
+    expect_input_error("no axes", flat.load(), &format!("nodes[{node}]"), "leaves no axes");
+    let mut missing = lit("point");
+    set(&mut missing, "/nodes/0/extras", json!({"ontile": {"probe": room(|_| ())}}));
+    let error = missing.load().unwrap_err();
+    assert!(matches!(error, ontile::Error::Io { .. }) && error.to_string().contains("room.hdr"), "{error}");
+}

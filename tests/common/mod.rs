@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each test file uses some of this")]
 
+pub mod environments;
 pub mod expected;
 pub mod render;
 pub mod scenes;

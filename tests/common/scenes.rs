@@ -1,15 +1,14 @@
 //! Scenes built by hand, small enough to render often; together they use every kind of surface, light and camera.
 
-use ontile::environment::{Panorama, Prefiltered, TexelFormat, direction_from_uv};
 use ontile::glam::{DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh::view::look_at_mat4};
 use ontile::scene::{
-    AlphaMode, Background, Camera, Environment, Fog, FogHeight, GlobeMap, GlobePicture, Image, Instance,
-    Light, LightKind, Lightmap, LightmapRect, Material, Mesh, Projection, Sampler, Scene, Texture,
-    TextureRef,
+    AlphaMode, Background, Camera, Fog, FogHeight, GlobeMap, GlobePicture, Image, Instance, Light, LightKind,
+    Lightmap, LightmapRect, Material, Mesh, Projection, Sampler, Scene, Texture, TextureRef,
 };
 use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+
+use super::environments;
 
 mod parts;
 use parts::*;
@@ -64,9 +63,9 @@ pub fn sample_files() -> Vec<PathBuf> {
     files
 }
 
-/// All scenes of this file.
+/// All scenes that are built by hand.
 pub fn built() -> Vec<Scene> {
-    vec![
+    let mut all = vec![
         every_feature(),
         orthographic(),
         lights_only(),
@@ -93,9 +92,9 @@ pub fn built() -> Vec<Scene> {
         before_sky(),
         sky_unlit(),
         sky_alone(),
-        environment(),
-        environment_alone(),
-    ]
+    ];
+    all.extend(environments::all());
+    all
 }
 
 /// All kinds of lights; emissive, unlit and lit surfaces; ambient light with an occlusion texture; normal map, vertex
@@ -120,34 +119,6 @@ pub fn every_feature() -> Scene {
     };
     add(&mut scene, square(), sign, &[at(1.5, 1.2, -0.6) * Mat4::from_scale(Vec3::splat(0.4))]);
     scene
-}
-
-/// [`every_feature`] under a sky, with occlusion textures and ambient light.
-pub fn environment() -> Scene {
-    Scene { name: "environment".into(), environment: Some(sky()), ..every_feature() }
-}
-
-/// Untextured surfaces under a sky, without light sources.
-pub fn environment_alone() -> Scene {
-    Scene { name: "environment_alone".into(), environment: Some(sky()), lights: Vec::new(), ..lights_only() }
-}
-
-/// Different in all directions, filtered small.
-fn sky() -> Environment {
-    let texel = |i: u32| {
-        let d =
-            direction_from_uv([(f64::from(i % 64) + 0.5) / 64.0, (f64::from(i / 64) + 0.5) / 32.0]).as_vec3();
-        let sun = if d.dot(Vec3::new(0.48, 0.6, 0.64)) > 0.98 { 20.0 } else { 0.0 };
-        (d * 0.4 + 0.5) * if d.y > 0.0 { 1.0 } else { 0.3 } + sun
-    };
-    let panorama = Panorama::new(64, 32, (0..64 * 32).map(texel).collect()).expect("a panorama");
-    let prefiltered = Prefiltered::new(&panorama, 32, TexelFormat::E5B9G9R9);
-    Environment {
-        prefiltered: Some(Arc::new(prefiltered)),
-        rotation_deg: 40.0,
-        intensity: 0.7,
-        ..Environment::new("sky", panorama)
-    }
 }
 
 /// [`every_feature`] in parallel projection.
@@ -375,7 +346,7 @@ pub fn foggy_unlit() -> Scene {
 /// [`environment`] with a lightmap on the floor, a lattice and one of the spheres: textured, masked and plain; the sphere's mesh
 /// has instances with and without.
 pub fn lightmapped() -> Scene {
-    let mut scene = Scene { name: "lightmapped".into(), ..environment() };
+    let mut scene = Scene { name: "lightmapped".into(), ..environments::environment() };
     add_lightmap(&mut scene, |name| ["floor", "lattice", "bumpy", "banner"].contains(&name));
     scene
 }
@@ -415,18 +386,18 @@ fn add_lightmap(scene: &mut Scene, wanted: impl Fn(&str) -> bool) {
 /// [`environment`] before its own picture, in fog that does not reach it.
 pub fn before_sky() -> Scene {
     let background = Background::Environment;
-    Scene { name: "before_sky".into(), background, ..in_fog("", environment()) }
+    Scene { name: "before_sky".into(), background, ..in_fog("", environments::environment()) }
 }
 
 /// [`wholly_unlit`] before an environment.
 pub fn sky_unlit() -> Scene {
-    let (environment, background) = (environment().environment, Background::Environment);
+    let (environment, background) = (environments::environment().environment, Background::Environment);
     Scene { name: "sky_unlit".into(), environment, background, ..wholly_unlit() }
 }
 
 /// Nothing but the environment.
 pub fn sky_alone() -> Scene {
-    let (environment, background) = (environment().environment, Background::Environment);
+    let (environment, background) = (environments::environment().environment, Background::Environment);
     Scene { name: "sky_alone".into(), environment, background, ..nothing() }
 }
 

@@ -159,7 +159,7 @@ impl Engine {
             queue: self.queue,
             callbacks: None,
             allocator: allocator.clone(),
-            features: Features { debug_utils: true, pipeline_statistics: false },
+            features: Features { debug_utils: true, ..Features::default() },
         };
         // SAFETY: the handles are of one device without optional features, which `finish` destroys: that takes the
         // engine, after the tests have dropped what they made of the device.

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use ontile::environment::{Panorama, Prefiltered, TexelFormat, direction_from_uv};
-use ontile::glam::{DVec3, Vec3};
+use ontile::glam::{DVec3, Quat, Vec3};
 use ontile::plan::{Layout, Options, Path};
 use ontile::reference::around::Method;
 use ontile::reference::{Settings, render};
 use ontile::scene::{Environment, Light, Scene};
 
+use crate::common::environments::rooms;
 use crate::error::Errors;
 use crate::gpu::{Ask, Gpu};
 use crate::scenes;
@@ -40,6 +41,18 @@ fn without_lights(scene: Scene) -> Scene {
     Scene { lights: Vec::<Light>::new(), ..scene }
 }
 
+/// The rooms of the parity tests, filtered to this size and large enough for the scene.
+fn in_rooms(scene: Scene, face_size: u32) -> Scene {
+    let mut probes = rooms();
+    for probe in &mut probes {
+        probe.half_size_m *= 1.7;
+        let panorama = probe.environment.panorama.clone().expect("it has one");
+        let filtered = Prefiltered::new(&panorama, face_size, TexelFormat::E5B9G9R9);
+        probe.environment.prefiltered = Some(Arc::new(filtered));
+    }
+    Scene { name: format!("{}, in rooms", scene.name), probes, ..scene }
+}
+
 #[test]
 fn environments_are_looked_up_as_the_reference_does() {
     let Some(gpu) = Gpu::open() else { return };
@@ -60,6 +73,8 @@ fn environments_are_looked_up_as_the_reference_does() {
     }
     for path in [Path::Deferred, Path::Forward] {
         check(&under_sky(scenes::surfaces(), &panorama, TexelFormat::E5B9G9R9), path);
+        check(&in_rooms(under_sky(scenes::materials(), &panorama, TexelFormat::E5B9G9R9), 64), path);
+        check(&Scene { environment: None, ..in_rooms(without_lights(scenes::surfaces()), 32) }, path);
     }
     gpu.finish();
     assert!(failed.is_empty(), "{failed:#?}");
@@ -89,13 +104,36 @@ fn environment(scene: &mut Scene) -> &mut Environment {
     scene.environment.as_mut().expect("the scene has one")
 }
 
+const FAULTS_OF_ROOMS: &[Fault] = &[
+    ("moved by 2 cm", |scene| scene.probes[0].position_world.x += 0.02),
+    ("turned by 1 degree", |scene| {
+        scene.probes[1].world_from_probe *= Quat::from_rotation_y(1.0_f32.to_radians())
+    }),
+    ("higher by 2 cm", |scene| scene.probes[1].half_size_m.y += 0.02),
+    ("wider falloff", |scene| scene.probes[0].falloff_m += 0.02),
+    ("picture turned", |scene| scene.probes[0].environment.rotation_deg += 1.0),
+    ("brighter by 1 %", |scene| scene.probes[1].environment.intensity *= 1.01),
+    ("in another order", |scene| {
+        let [a, b] = &mut scene.probes[..] else { unreachable!("there are two") };
+        std::mem::swap(&mut a.environment, &mut b.environment);
+        a.environment.intensity *= 1.1;
+    }),
+    ("forgotten", |scene| scene.probes.truncate(1)),
+    ("nothing far away", |scene| scene.environment = None),
+];
+
 #[test]
 fn every_fault_is_caught() {
-    let Some(gpu) = Gpu::open() else { return };
     let scene = without_lights(under_sky(scenes::materials(), &sky(), TexelFormat::E5B9G9R9));
+    catches(&scene, FAULTS);
+    catches(&in_rooms(scene, 64), FAULTS_OF_ROOMS);
+}
+
+fn catches(scene: &Scene, faults: &[Fault]) {
+    let Some(gpu) = Gpu::open() else { return };
     let camera = &scene.cameras[0];
-    let rendered = gpu.render(&scene, camera, Ask::EXACT);
-    for (name, fault) in FAULTS {
+    let rendered = gpu.render(scene, camera, Ask::EXACT);
+    for (name, fault) in faults {
         let mut faulty = scene.clone();
         fault(&mut faulty);
         let errors = Errors::of_display(&render(&faulty, camera, &rendered.settings), &rendered.light());

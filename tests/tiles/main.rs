@@ -170,6 +170,7 @@ fn one_pass_stays_on_the_tile() {
         (3, metallic("before_sky")),
         (1, metallic("sky_alone")),
         (3, metallic("lightmapped")),
+        (3, metallic("probes")),
         (3, Case { lights: LightWay::Clusters, ..metallic(ALL_STAGES) }),
         (3, Case { lights: LightWay::Volumes, ..metallic(ALL_STAGES) }),
         (3, Case { lights: LightWay::Stencil, ..metallic(ALL_STAGES) }),

@@ -41,10 +41,11 @@ const ENVIRONMENT: u32 = shared("BINDING_ENVIRONMENT");
 const RADIANCE: u32 = shared("BINDING_RADIANCE");
 const LIGHTMAPS: u32 = shared("BINDING_LIGHTMAPS");
 const LIGHTMAP: u32 = shared("BINDING_LIGHTMAP");
+const PROBES: u32 = shared("BINDING_PROBES");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 13] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 14] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -60,6 +61,7 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 13] = {
         (RADIANCE, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (LIGHTMAPS, T::STORAGE_BUFFER, S::VERTEX),
         (LIGHTMAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
+        (PROBES, T::STORAGE_BUFFER, S::FRAGMENT),
         (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
@@ -90,6 +92,7 @@ impl Family {
                 Around::Nothing => &[],
                 Around::Ambient => &[SPLIT_SUM],
                 Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
+                Around::Probes => &[SPLIT_SUM, ENVIRONMENT, RADIANCE, PROBES],
             },
             Pipeline::Sky => &[ENVIRONMENT, RADIANCE],
             _ => &[],

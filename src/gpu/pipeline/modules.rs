@@ -30,7 +30,8 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         }
         Pipeline::Light(kind) => (Module::GeometryVertex, Some(Module::Light), surface(kind)),
         Pipeline::Sky => {
-            let constants = SkyConstants { rgbm: is_rgbm(plan), light_target: plan.has_light_target() };
+            let (probes, light_target) = (!plan.needs.probes.is_empty(), plan.has_light_target());
+            let constants = SkyConstants { rgbm: is_rgbm(plan), probes, light_target };
             let module = Module::Sky(plan.has_gbuffer().then_some(layout));
             (Module::Fullscreen, Some(module), constants.specialization())
         }
@@ -107,6 +108,7 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
         emissive: kind.emissive,
         around: kind.around,
         rgbm: is_rgbm(plan),
+        has_environment: plan.needs.environment.is_some(),
         lightmap: plan.needs.lightmap.filter(|_| kind.has_lightmap()).map(|map| LightmapConstants {
             unit_lx: map.unit_lx,
             rgbm: plan.options.lightmap_format == TexelFormat::Rgbm,

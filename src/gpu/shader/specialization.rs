@@ -69,6 +69,8 @@ pub struct GeometryConstants {
     pub around: Around,
     /// Radiance is stored as RGBM.
     pub rgbm: bool,
+    /// Beside probes the scene has an environment.
+    pub has_environment: bool,
     /// Whether a lightmap brings the diffuse light, and how.
     pub lightmap: Option<LightmapConstants>,
     /// The light target is written beside the G-buffer.
@@ -119,6 +121,8 @@ impl GeometryConstants {
             (const { shared("ID_AMBIENT") }, (self.around >= Around::Ambient).into()),
             (const { shared("ID_ENVIRONMENT") }, (self.around >= Around::Environment).into()),
             (const { shared("ID_RGBM") }, self.rgbm.into()),
+            (const { shared("ID_PROBES") }, (self.around >= Around::Probes).into()),
+            (const { shared("ID_HAS_ENVIRONMENT") }, self.has_environment.into()),
             (const { shared("ID_LIGHTMAP") }, self.lightmap.is_some().into()),
             (const { shared("ID_LIGHTMAP_UNIT") }, self.lightmap.map_or(0.0, |map| map.unit_lx).to_bits()),
             (const { shared("ID_LIGHTMAP_RGBM") }, self.lightmap.is_some_and(|map| map.rgbm).into()),
@@ -208,6 +212,8 @@ fn shadow_filter(filter: ShadowFilter) -> u32 {
 pub struct SkyConstants {
     /// Radiance is stored as RGBM.
     pub rgbm: bool,
+    /// There are probes beside the environment.
+    pub probes: bool,
     /// It goes to the light target where there is no G-buffer either.
     pub light_target: bool,
 }
@@ -217,6 +223,7 @@ impl SkyConstants {
     pub fn specialization(&self) -> Specialization {
         Specialization::from_pairs(&[
             (const { shared("ID_RGBM") }, self.rgbm.into()),
+            (const { shared("ID_PROBES") }, self.probes.into()),
             (const { shared("ID_LIGHT_TARGET") }, self.light_target.into()),
         ])
     }

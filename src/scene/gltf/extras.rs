@@ -8,9 +8,20 @@ use serde_json::{Map, Value};
 use super::document::Document;
 use crate::{Error, Result};
 
-/// What may be said of nodes, of those with lights in part: [`super::light`], [`super::around`].
-pub const OF_NODES: [&str; 9] =
-    ["shadow", "dynamic", "priority", "back_color", "ground_color", "box", "globe_map", "baked", "lightmap"];
+/// What may be said of nodes, of those with lights in part: [`super::light`], [`super::around`],
+/// [`super::environment`].
+pub const OF_NODES: [&str; 10] = [
+    "shadow",
+    "dynamic",
+    "priority",
+    "back_color",
+    "ground_color",
+    "box",
+    "globe_map",
+    "baked",
+    "lightmap",
+    "probe",
+];
 
 /// What may be said of scenes (`scenes[i].extras.ontile`): [`super::environment`], [`super::around`].
 pub const OF_SCENES: [&str; 4] = ["environment", "background", "fog", "lightmap"];

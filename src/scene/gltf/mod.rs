@@ -108,6 +108,7 @@ fn load(doc: &Document) -> Result<Scene> {
         scene.cameras.push(defaults::camera(bounds));
     }
     scene.environment = environment::read_environment(doc)?;
+    scene.probes = environment::read_probes(doc, &tree)?;
     let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
     let is_lit_by_nothing =
         scene.lights.is_empty() && scene.environment.is_none() && scene.lightmap.is_none();

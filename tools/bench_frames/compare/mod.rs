@@ -24,6 +24,9 @@ use data::{Report, Run, Table, TableName};
 use measure::Effort;
 use tables::Settings;
 
+/// The file that people read.
+const PAGE: &str = "README.md";
+
 /// What `compare` is told.
 #[derive(clap::Args, Debug)]
 pub struct Compare {
@@ -66,9 +69,13 @@ pub struct Compare {
 /// # Errors
 /// [`Error::Io`], [`Error::Unsupported`] for no such device or bad files to merge, [`Error::Vulkan`].
 pub fn run(args: &Compare) -> Result<()> {
-    let report =
-        if args.merge.is_empty() { Report::new(vec![measure_all(args)?]) } else { merged(&args.merge)? };
-    write(&report, &args.output)
+    if args.merge.is_empty() {
+        measure_all(args)?
+    } else {
+        write(&merged(&args.merge)?, &args.output)?
+    }
+    println!("{}", args.output.join(PAGE).display());
+    Ok(())
 }
 
 fn merged(files: &[PathBuf]) -> Result<Report> {
@@ -79,7 +86,7 @@ fn merged(files: &[PathBuf]) -> Result<Report> {
     Ok(report)
 }
 
-fn measure_all(args: &Compare) -> Result<Run> {
+fn measure_all(args: &Compare) -> Result<()> {
     let headless = Headless::new(&HeadlessOptions {
         device_name_part: Some(args.device.clone()),
         validate: false,
@@ -110,8 +117,10 @@ fn measure_all(args: &Compare) -> Result<Run> {
             rows.push(measure::case(device, &case, Effort { rounds, ..effort })?);
         }
         run.put(Table { name, rows });
+        // What is measured so far survives what may come.
+        write(&Report::new(vec![run.clone()]), &args.output)?;
     }
-    Ok(run)
+    Ok(())
 }
 
 fn settings(args: &Compare, device: &Device) -> Settings {
@@ -158,8 +167,5 @@ fn write(report: &Report, folder: &Path) -> Result<()> {
             chart.write(&folder.join(page::chart_name(name, run)))?;
         }
     }
-    let path = folder.join("README.md");
-    file::write_whole(&path, page::page(report).as_bytes())?;
-    println!("{}", path.display());
-    Ok(())
+    file::write_whole(&folder.join(PAGE), page::page(report).as_bytes())
 }

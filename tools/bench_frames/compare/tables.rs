@@ -79,10 +79,7 @@ pub fn cases(name: TableName, device: &Device, settings: &Settings) -> Result<Ve
         TableName::Overdraw => {
             let case = |n: usize| {
                 let scene = Rc::new(scenes::layers(n));
-                let mut ways = paths(&scene);
-                let mut prepass = way(PREPASS, &scene, Path::Forward, LightWay::Auto);
-                prepass.options.depth_prepass = true;
-                ways.insert(2, prepass);
+                let ways = paths(&scene);
                 Case { label: format!("{n}"), x: n as f64, size: s.sweep_size, ways, stages: false }
             };
             places(s, 1, 16).into_iter().map(case).collect()
@@ -107,11 +104,12 @@ fn way(name: &str, scene: &Rc<Scene>, path: Path, lights: LightWay) -> Way {
     Way { name: name.into(), scene: scene.clone(), options: Options { path, lights, ..Options::default() } }
 }
 
-/// Deferred as `auto` lights it, and both kinds of forward.
+/// Deferred as `auto` lights it, and all kinds of forward.
 fn paths(scene: &Rc<Scene>) -> Vec<Way> {
-    [Path::Deferred, Path::Forward, Path::ForwardMultipass]
-        .map(|path| way(path.name(), scene, path, LightWay::Auto))
-        .into()
+    let path = |path: Path| way(path.name(), scene, path, LightWay::Auto);
+    let mut prepass = way(PREPASS, scene, Path::Forward, LightWay::Auto);
+    prepass.options.depth_prepass = true;
+    vec![path(Path::Deferred), path(Path::Forward), prepass, path(Path::ForwardMultipass)]
 }
 
 /// The ways of lights, deferred.
