@@ -2,31 +2,21 @@
 // draws surfaces with their materials; wants pixel.glsl, brdf.glsl and Surface.
 
 #include "material.glsl"
-#if defined(AMBIENT) || defined(LIGHTMAP)
 #include "light/diffuse.glsl"
-#endif
-#ifdef AMBIENT
 #include "light/ambient.glsl"
-#endif
-#ifdef LIGHTMAP
 #include "light/lightmap.glsl"
-#endif
-#ifdef ENVIRONMENT
 #include "light/environment.glsl"
-#endif
-#ifdef PROBES
 #include "light/probes.glsl"
-#endif
 
 layout(constant_id = ID_DOUBLE_SIDED) const bool DOUBLE_SIDED = false;
 layout(constant_id = ID_UNLIT) const bool UNLIT = false;
 layout(constant_id = ID_EMISSIVE) const bool EMISSIVE = false;
+layout(constant_id = ID_AMBIENT) const bool AMBIENT = false;
+layout(constant_id = ID_ENVIRONMENT) const bool ENVIRONMENT = false; // besides AMBIENT
+layout(constant_id = ID_LIGHTMAP) const bool LIGHTMAP = false;
 
 layout(location = VARYING_NORMAL) in vec3 varying_normal_world;
-
-#ifdef TEXTURED
 layout(location = VARYING_TANGENT) in vec4 varying_tangent_world;
-#endif
 
 struct Fragment {
     Surface surface;
@@ -38,14 +28,12 @@ struct Fragment {
 // double-sided material's back faces turn the whole frame round.
 vec3 surface_normal_world(vec3 normal_sample) {
     vec3 normal_world = varying_normal_world;
-#ifdef TEXTURED
     if (SLOT_NORMAL >= 0) {
         vec3 bitangent_world = cross(varying_normal_world, varying_tangent_world.xyz) * varying_tangent_world.w;
         vec3 normal_tangent = (normal_sample * 2.0 - 1.0) * vec3(vec2(material.normal_scale), 1.0);
         normal_world = varying_tangent_world.xyz * normal_tangent.x + bitangent_world * normal_tangent.y
             + varying_normal_world * normal_tangent.z;
     }
-#endif
     return unit(DOUBLE_SIDED && !gl_FrontFacing ? -normal_world : normal_world);
 }
 
@@ -54,11 +42,7 @@ Fragment surface_at_fragment() {
     vec4 base_color = material_base_color();
     vec2 roughness_metallic = MATERIAL_SAMPLE(METALLIC_ROUGHNESS, vec4(1.0)).gb;
     vec3 normal_sample = MATERIAL_SAMPLE(NORMAL, vec4(0.5, 0.5, 1.0, 1.0)).rgb;
-#ifdef AMBIENT
-    float occlusion_sample = MATERIAL_SAMPLE(OCCLUSION, vec4(1.0)).r;
-#else
-    const float occlusion_sample = 1.0;
-#endif
+    float occlusion_sample = AMBIENT ? MATERIAL_SAMPLE(OCCLUSION, vec4(1.0)).r : 1.0;
     vec3 emissive_sample = EMISSIVE ? MATERIAL_SAMPLE(EMISSIVE, vec4(1.0)).rgb : vec3(0.0);
     if (material_is_cut(base_color.a)) {
         discard;
@@ -87,30 +71,29 @@ vec3 indirect_light(Fragment fragment) {
     if (EMISSIVE) {
         light += fragment.emission;
     }
-#if defined(AMBIENT) || defined(LIGHTMAP)
     vec3 v = view_direction_world();
     float n_dot_v = clamp(dot(surface.normal_world, v), MIN_N_DOT_V, 1.0);
-#endif
-#ifdef AMBIENT
-    vec3 diffuse_nt = frame.ambient_nt.rgb;
-    vec3 specular_nt = frame.ambient_nt.rgb;
-#ifdef ENVIRONMENT
-    diffuse_nt += environment_irradiance_nt(surface.normal_world);
-    vec3 towards = dominant_direction(surface.normal_world, v, surface.roughness);
-#ifdef PROBES
-    specular_nt = specular_radiance_nt(position_world(surface.depth), towards, surface.roughness, specular_nt);
-#else
-    specular_nt += environment_radiance_nt(towards, surface.roughness);
-#endif
-#endif
-#ifdef LIGHTMAP
-    // The map has all diffuse light, and knows better what it is hidden from.
-    diffuse_nt = vec3(0.0);
-#endif
-    light += light_around(surface, n_dot_v, diffuse_nt, specular_nt, fragment.occlusion);
-#endif
-#ifdef LIGHTMAP
-    light += lightmap_irradiance() / PI * diffuse_albedo(surface, n_dot_v);
-#endif
+    if (AMBIENT) {
+        vec3 diffuse_nt = frame.ambient_nt.rgb;
+        vec3 specular_nt = frame.ambient_nt.rgb;
+        if (ENVIRONMENT) {
+            diffuse_nt += environment_irradiance_nt(surface.normal_world);
+            vec3 towards = dominant_direction(surface.normal_world, v, surface.roughness);
+            if (PROBES) {
+                vec3 position = position_world(surface.depth);
+                specular_nt = specular_radiance_nt(position, towards, surface.roughness, specular_nt);
+            } else {
+                specular_nt += environment_radiance_nt(towards, surface.roughness);
+            }
+        }
+        if (LIGHTMAP) {
+            // The map has all diffuse light, and knows better what it is hidden from.
+            diffuse_nt = vec3(0.0);
+        }
+        light += light_around(surface, n_dot_v, diffuse_nt, specular_nt, fragment.occlusion);
+    }
+    if (LIGHTMAP) {
+        light += lightmap_irradiance() / PI * diffuse_albedo(surface, n_dot_v);
+    }
     return light;
 }

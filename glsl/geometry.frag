@@ -10,14 +10,14 @@
 #include "brdf.glsl"
 #include "fragment.glsl"
 
-#ifdef LIGHT_TARGET
+layout(constant_id = ID_LIGHT_TARGET) const bool LIGHT_TARGET = false;
+
 layout(location = TARGET_LIGHT) out vec4 target_light;
-#endif
 
 void main() {
     Fragment fragment = surface_at_fragment();
     gbuffer_write(fragment.surface);
-#ifdef LIGHT_TARGET
-    target_light = vec4(indirect_light(fragment) * (frame.exposure * frame.light_scale), 1.0);
-#endif
+    if (LIGHT_TARGET) {
+        target_light = vec4(indirect_light(fragment) * (frame.exposure * frame.light_scale), 1.0);
+    }
 }

@@ -1,6 +1,5 @@
 #version 450
-// All lights on one pixel; CLUSTERS: those with a place are found in the list of its cell; ONE_LIGHT: only the one whose
-// volume is drawn. FOLD: tonemaps and writes the output; else fixed-function blending adds to the light target.
+// All lights on one pixel, or (ONE_LIGHT) only the one whose volume is drawn. FOLD: tonemaps and writes the output; else fixed-function blending adds to the light target.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
@@ -12,10 +11,9 @@
 #include "tonemap.glsl"
 
 layout(constant_id = ID_FOLD) const bool FOLD = false;
+layout(constant_id = ID_ONE_LIGHT) const bool ONE_LIGHT = false;
 
-#ifdef ONE_LIGHT
 layout(location = VARYING_LIGHT) flat in uint varying_light;
-#endif
 
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
@@ -25,14 +23,12 @@ void main() {
     if (surface.lit) {
         vec3 position = position_world(surface.depth);
         vec3 v = view_direction_world();
-#ifdef ONE_LIGHT
         vec3 light = vec3(0.0);
-        if (is_lit_from(varying_light, surface, position)) {
+        if (!ONE_LIGHT) {
+            light = direct_light(surface, position, v);
+        } else if (is_lit_from(varying_light, surface, position)) {
             light = light_reflected(varying_light, surface, reflector(surface, v), position);
         }
-#else
-        vec3 light = direct_light(surface, position, v);
-#endif
         exposed_light = light * frame.exposure;
         if (FOG) {
             exposed_light = fogged(exposed_light, position);

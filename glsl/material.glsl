@@ -19,8 +19,6 @@ layout(set = SET_MATERIAL, binding = BINDING_MATERIAL, std140) uniform Material 
 
 layout(location = VARYING_COLOR) in vec4 varying_color;
 
-#ifdef TEXTURED
-
 layout(constant_id = ID_TEXTURE_COUNT) const uint TEXTURE_COUNT = 1;
 layout(constant_id = ID_SLOT_BASE_COLOR) const int SLOT_BASE_COLOR = -1;
 layout(constant_id = ID_SLOT_METALLIC_ROUGHNESS) const int SLOT_METALLIC_ROUGHNESS = -1;
@@ -46,12 +44,6 @@ vec2 material_uv(int kind) {
 // Samples come before any discard, where derivatives are still defined.
 #define MATERIAL_SAMPLE(NAME, ABSENT) \
     (SLOT_##NAME < 0 ? (ABSENT) : texture(material_textures[SLOT_##NAME < 0 ? 0 : SLOT_##NAME], material_uv(KIND_##NAME)))
-
-#else
-
-#define MATERIAL_SAMPLE(NAME, ABSENT) (ABSENT)
-
-#endif
 
 // Linear Rec.709 and alpha: factor * texture * vertex colour (glTF 2.0, 3.9.2).
 vec4 material_base_color() {

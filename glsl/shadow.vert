@@ -1,5 +1,5 @@
 #version 450
-// Places a caster in a tile of the shadow map. HAS_*: what an alpha mask reads.
+// Places a caster in a tile of the shadow map. Only alpha masks read more than its position.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 
@@ -19,16 +19,11 @@ layout(push_constant, std430) uniform ShadowPush {
 } push;
 
 layout(location = ATTRIBUTE_POSITION) in vec3 attribute_position;
-#ifdef HAS_TEXCOORD
 layout(location = ATTRIBUTE_TEXCOORD) in vec4 attribute_texcoord;
-layout(location = VARYING_TEXCOORD) out vec4 varying_texcoord;
-#endif
-#ifdef HAS_COLOR
 layout(location = ATTRIBUTE_COLOR) in vec4 attribute_color;
-#endif
-#ifdef MASKED
+
+layout(location = VARYING_TEXCOORD) out vec4 varying_texcoord;
 layout(location = VARYING_COLOR) out vec4 varying_color;
-#endif
 
 out gl_PerVertex {
     vec4 gl_Position;
@@ -42,12 +37,6 @@ void main() {
     // Not so behind a lamp: a clamped vertex there would have most of its triangle clipped.
     gl_Position.z = min(gl_Position.z, push.nearest_depth);
 
-#ifdef HAS_TEXCOORD
     varying_texcoord = attribute_texcoord;
-#endif
-#ifdef HAS_COLOR
     varying_color = attribute_color;
-#elif defined(MASKED)
-    varying_color = vec4(1.0);
-#endif
 }

@@ -17,6 +17,7 @@
 #define BINDING_SPLIT_SUM 8
 #define BINDING_ENVIRONMENT 9
 #define BINDING_RADIANCE 10
+#define BINDING_RADIANCES 10
 #define BINDING_LIGHTMAPS 11
 #define BINDING_LIGHTMAP 13
 #define BINDING_PROBES 14
@@ -93,6 +94,15 @@
 #define ID_RGBM 40
 #define ID_HAS_ENVIRONMENT 41
 #define ID_SHADOW_FILTER 48
+#define ID_LIGHT_TARGET 49
+#define ID_AMBIENT 50
+#define ID_ENVIRONMENT 51
+#define ID_CLUSTERS 52
+#define ID_ONE_LIGHT 53
+#define ID_SHADOWS 54
+#define ID_GLOBE_MAPS 55
+#define ID_LIGHTMAP 56
+#define ID_PROBES 57
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

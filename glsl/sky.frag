@@ -16,6 +16,7 @@
 layout(location = TARGET_LIGHT) out vec4 target_light;
 #else
 #include "tonemap.glsl"
+layout(constant_id = ID_LIGHT_TARGET) const bool LIGHT_TARGET = false;
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 #endif
 
@@ -23,12 +24,10 @@ void main() {
     vec3 exposed_light = environment_radiance_nt(ray_world(), 0.0) * frame.exposure;
     // Alpha 0: no surface, and so no fog.
     vec4 light = vec4(exposed_light * frame.light_scale, 0.0);
-#if defined(WITH_GBUFFER)
+#ifdef WITH_GBUFFER
     gbuffer_write(Surface(0.0, false, vec3(0.0), 0.0, vec3(0.0), 0.0));
     target_light = light;
-#elif defined(LIGHT_TARGET)
-    target_output = light;
 #else
-    target_output = output_color(exposed_light);
+    target_output = LIGHT_TARGET ? light : output_color(exposed_light);
 #endif
 }

@@ -1,20 +1,16 @@
 #version 450
-// From the light target to the output. WITH_FOG: fog comes between, and depth says how much.
+// From the light target to the output. Where fog comes between, depth says how much.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
+#include "pixel.glsl"
+#include "fog.glsl"
 #include "tonemap.glsl"
 
 layout(set = SET_INPUTS, binding = INPUT_LIGHT, input_attachment_index = INPUT_LIGHT)
     uniform subpassInput input_light;
-
-#ifdef WITH_FOG
-#include "pixel.glsl"
-#include "fog.glsl"
-
 layout(set = SET_INPUTS, binding = INPUT_FOG_DEPTH, input_attachment_index = INPUT_FOG_DEPTH)
     uniform subpassInput input_fog_depth;
-#endif
 
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
@@ -23,10 +19,8 @@ void main() {
     vec4 light = subpassLoad(input_light);
     bool is_background = light.a == 0.0;
     vec3 exposed_light = light.rgb / frame.light_scale;
-#ifdef WITH_FOG
-    if (!is_background) {
+    if (FOG && !is_background) {
         exposed_light = fogged(exposed_light, position_world(subpassLoad(input_fog_depth).r));
     }
-#endif
     target_output = BACKGROUND && is_background ? background_color() : output_color(exposed_light);
 }

@@ -45,7 +45,7 @@ fn compile_all(glsl: &Path) -> Result<Files, Box<dyn Error>> {
         for source in &sources {
             manifest.sources.insert(source.clone(), sha256(&std::fs::read(glsl.join(source))?));
         }
-        let defines = module.defines().into_iter().map(String::from).collect();
+        let defines = module.define().into_iter().map(String::from).collect();
         let record = ModuleRecord { defines, sources, spirv_sha256: sha256(&spirv) };
         manifest.modules.insert(module.name(), record);
         files.insert(format!("{}.spv", module.name()), spirv);
@@ -75,7 +75,7 @@ fn compile(
         included.borrow_mut().insert(name.to_owned());
         Ok(shaderc::ResolvedInclude { resolved_name: name.to_owned(), content })
     });
-    for define in module.defines() {
+    if let Some(define) = module.define() {
         options.add_macro_definition(define, None);
     }
     let kind = match module.stage() {

@@ -2,15 +2,9 @@
 
 #include "light/punctual.glsl"
 #include "light/extent.glsl"
-#ifdef GLOBE_MAPS
 #include "light/globe.glsl"
-#endif
-#ifdef CLUSTERS
 #include "light/clusters.glsl"
-#endif
-#ifdef SHADOWS
 #include "light/shadow.glsl"
-#endif
 
 layout(constant_id = ID_HAS_DIRECTIONAL) const bool HAS_DIRECTIONAL = false;
 layout(constant_id = ID_HAS_POINT) const bool HAS_POINT = false;
@@ -18,6 +12,9 @@ layout(constant_id = ID_HAS_SPOT) const bool HAS_SPOT = false;
 layout(constant_id = ID_HAS_BOX) const bool HAS_BOX = false;
 layout(constant_id = ID_HAS_HEMISPHERE) const bool HAS_HEMISPHERE = false;
 layout(constant_id = ID_HAS_BACK) const bool HAS_BACK = false;
+layout(constant_id = ID_CLUSTERS) const bool CLUSTERS = false; // lights with a place are listed by cell
+layout(constant_id = ID_GLOBE_MAPS) const bool GLOBE_MAPS = false;
+layout(constant_id = ID_SHADOWS) const bool SHADOWS = false;
 
 // What a surface sends of diffuse light with this irradiance in lux, in cd/m^2.
 vec3 reflected_diffuse(Surface surface, vec3 irradiance) {
@@ -40,8 +37,7 @@ vec3 light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
     } else {
         incident = light_point(lights[i], position);
     }
-#ifdef GLOBE_MAPS
-    if (lights[i].globe_map != 0u) {
+    if (GLOBE_MAPS && lights[i].globe_map != 0u) {
         vec3 position_light = in_light_frame(lights[i], position);
         if (i >= spot_begin) {
             incident.illuminance *= globe_flat(lights[i], position_light, i < box_begin);
@@ -49,14 +45,11 @@ vec3 light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
             incident.illuminance *= globe_cube(lights[i], position_light);
         }
     }
-#endif
     float n_dot_l = dot(surface.normal_world, incident.direction);
-#ifdef SHADOWS
-    if (lights[i].shadow != 0u && n_dot_l > 0.0 && incident.illuminance != vec3(0.0)) {
+    if (SHADOWS && lights[i].shadow != 0u && n_dot_l > 0.0 && incident.illuminance != vec3(0.0)) {
         incident.illuminance *= shadow(
             lights[i].shadow, lights[i].place.xyz, position, surface.normal_world, incident.direction);
     }
-#endif
     vec3 bsdf = brdf(r, incident.direction, clamp(n_dot_l, 0.0, 1.0));
     vec3 sum = bsdf * (incident.illuminance * max(n_dot_l, 0.0));
     if (HAS_BACK) {
@@ -77,8 +70,6 @@ bool is_lit_from(uint i, Surface surface, vec3 position) {
     return in_range && dot(surface.normal_world, to_light) > 0.0;
 }
 
-#ifdef CLUSTERS
-
 // What a surface at `position` reflects of the lights listed for its cell.
 vec3 listed_light(Surface surface, Reflector r, vec3 position) {
     vec3 sum = vec3(0.0);
@@ -93,8 +84,6 @@ vec3 listed_light(Surface surface, Reflector r, vec3 position) {
     return sum;
 }
 
-#endif
-
 // What a surface reflects of the lights that the list does not have, since they come from everywhere at once: cd/m^2.
 vec3 unlisted_light(Surface surface) {
     return HAS_HEMISPHERE ? reflected_diffuse(surface, light_hemispheres(surface.normal_world)) : vec3(0.0);
@@ -105,16 +94,12 @@ vec3 direct_light(Surface surface, vec3 position, vec3 v) {
     Reflector r = reflector(surface, v);
     vec3 sum = unlisted_light(surface);
     uvec4 counts = frame.light_counts * uvec4(HAS_DIRECTIONAL, HAS_POINT, HAS_SPOT, HAS_BOX);
-#ifdef CLUSTERS
-    uint everywhere = counts.x;
-#else
-    uint everywhere = counts.x + counts.y + counts.z + counts.w;
-#endif
+    uint everywhere = CLUSTERS ? counts.x : counts.x + counts.y + counts.z + counts.w;
     for (uint i = 0u; i < everywhere; ++i) {
         sum += light_reflected(i, surface, r, position);
     }
-#ifdef CLUSTERS
-    sum += listed_light(surface, r, position);
-#endif
+    if (CLUSTERS) {
+        sum += listed_light(surface, r, position);
+    }
     return sum;
 }

@@ -11,14 +11,12 @@ layout(set = SET_FRAME, binding = BINDING_ENVIRONMENT, std140) uniform Environme
 } environment;
 
 // Vulkan's faces in each environment's own space; level for roughness r: last_level r (2 - r).
-#ifdef PROBES
-layout(constant_id = ID_HAS_ENVIRONMENT) const bool HAS_ENVIRONMENT = false;
-
-// The environment's if there is one, then the probes' in order.
-layout(set = SET_FRAME, binding = BINDING_RADIANCE) uniform samplerCubeArray radiance;
-#else
 layout(set = SET_FRAME, binding = BINDING_RADIANCE) uniform samplerCube radiance;
-#endif
+
+// There are probes, and in the same place an array: the environment if there is one, then the probes in order.
+layout(constant_id = ID_PROBES) const bool PROBES = false;
+layout(constant_id = ID_HAS_ENVIRONMENT) const bool HAS_ENVIRONMENT = false;
+layout(set = SET_FRAME, binding = BINDING_RADIANCES) uniform samplerCubeArray radiances;
 
 // Turned about +Y into the space of a picture.
 vec3 turned(vec3 d, vec2 rotation) {
@@ -58,10 +56,7 @@ float radiance_level(float roughness) {
 // Radiance in cd/m^2 around a direction in the world, which need not be of unit length.
 vec3 environment_radiance_nt(vec3 direction_world, float roughness) {
     vec3 towards = turned(direction_world, environment.rotation);
-#ifdef PROBES
-    vec4 stored = textureLod(radiance, vec4(towards, 0.0), radiance_level(roughness));
-#else
-    vec4 stored = textureLod(radiance, towards, radiance_level(roughness));
-#endif
+    float level = radiance_level(roughness);
+    vec4 stored = PROBES ? textureLod(radiances, vec4(towards, 0.0), level) : textureLod(radiance, towards, level);
     return decode_radiance(stored) * environment.scale;
 }

@@ -48,7 +48,7 @@ vec3 specular_radiance_nt(vec3 position_world, vec3 direction_world, float rough
             vec3 direction = vec3(
                 dot(rows[0].xyz, direction_world), dot(rows[1].xyz, direction_world), dot(rows[2].xyz, direction_world));
             vec3 towards = turned(box_projected(probe, position, direction), probe.rotation);
-            vec4 stored = textureLod(radiance, vec4(towards, first + float(i)), level);
+            vec4 stored = textureLod(radiances, vec4(towards, first + float(i)), level);
             sum += decode_radiance(stored) * (probe.scale * weight);
             weights += weight;
         }

@@ -68,6 +68,7 @@ pub use info::devices;
 pub use memory::MemoryUse;
 pub use offscreen::Offscreen;
 pub use owned::{Live, Object, Owned};
+pub use pipeline::PipelineParts;
 pub use query::{PipelineStatistics, Queries, QueryResults};
 pub use readback::{Readback, texel_bytes};
 pub use renderer::{Recorded, Renderer, RendererConfig};

@@ -4,14 +4,19 @@
 //! and a test compares the two.
 
 mod numbers;
+mod prune;
 mod specialization;
 
 pub use numbers::shared;
+pub use prune::{Pruned, prune};
 pub use specialization::{
-    GeometryConstants, LightingConstants, OutputConstants, SkyConstants, Specialization, TextureSlot,
+    GeometryConstants, LightLoop, LightingConstants, LightmapConstants, OutputConstants, SkyConstants,
+    Specialization, TextureSlot,
 };
 
-use crate::plan::{Around, Layout};
+use std::collections::BTreeSet;
+
+use crate::plan::Layout;
 use crate::{Error, Result};
 
 /// How many kinds of texture a material can have; their order is that of `KIND_*` in `glsl/shared.h`.
@@ -26,405 +31,137 @@ pub enum Stage {
     Fragment,
 }
 
-/// A shader module, by what sets it apart.
+/// A shader module: a source, and the G-buffer layout that it is compiled for where it has one. All else that sets pipelines
+/// apart are specialisation constants; a layout is more than a constant can say: it declares its own targets and inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Module {
-    /// Places a mesh that has these attributes besides positions. A tangent needs a normal and a texcoord.
-    GeometryVertex {
-        /// Normals.
-        normal: bool,
-        /// One or two texture coordinates.
-        texcoord: bool,
-        /// Tangents.
-        tangent: bool,
-        /// Vertex colours.
-        color: bool,
-        /// A part of the lightmap for each instance. Needs a normal and a texcoord.
-        lightmap: bool,
-    },
+    /// Places a mesh.
+    GeometryVertex,
     /// Writes the G-buffer.
-    GeometryFragment {
-        /// How the G-buffer is laid out.
-        layout: Layout,
-        /// Whether the light target is written too.
-        light_target: bool,
-        /// Whether the material has any texture.
-        textured: bool,
-        /// What arrives from all around; nothing without a light target.
-        around: Around,
-        /// Whether a lightmap brings the diffuse light; it needs a light target.
-        lightmap: bool,
-    },
+    GeometryFragment(Layout),
     /// Writes the output directly, where nothing is lit.
-    Unlit {
-        /// Whether the material has any texture.
-        textured: bool,
-    },
+    Unlit,
     /// Lights a surface as it is drawn and writes the output.
-    Forward {
-        /// Whether the material has any texture.
-        textured: bool,
-        /// What it reads of the lights.
-        lights: LightInputs,
-        /// What arrives from all around.
-        around: Around,
-        /// Whether a lightmap brings the diffuse light.
-        lightmap: bool,
-    },
+    Forward,
     /// Writes the light that leaves a surface without light sources to the light target.
-    Base {
-        /// Whether the material has any texture.
-        textured: bool,
-        /// What arrives from all around.
-        around: Around,
-        /// Whether a lightmap brings the diffuse light.
-        lightmap: bool,
-    },
+    Base,
     /// Adds what a surface reflects of one light to the light target.
-    Light {
-        /// Whether the material has any texture.
-        textured: bool,
-        /// What it reads of the light.
-        lights: LightInputs,
-    },
+    Light,
     /// Keeps nothing of a surface but what its alpha mask leaves.
-    Mask {
-        /// Whether the material has any texture.
-        textured: bool,
-    },
+    Mask,
     /// Shades the G-buffer by punctual lights.
-    Lighting {
-        /// How the G-buffer is laid out.
-        layout: Layout,
-        /// What it reads of the lights.
-        lights: LightInputs,
-    },
+    Lighting(Layout),
     /// Turns the light target into the output.
-    Tonemap {
-        /// Whether fog lies between, so that depth is read too.
-        fog: bool,
-    },
-    /// Draws the environment where no surface is.
-    Sky {
-        /// The G-buffer that it says "not lit" in; there is a light target then.
-        layout: Option<Layout>,
-        /// Writes to a light target, not to the output.
-        light_target: bool,
-        /// There are probes beside the environment.
-        probes: bool,
-    },
+    Tonemap,
+    /// Draws the environment where no surface is, and says "not lit" in the G-buffer where there is one.
+    Sky(Option<Layout>),
     /// One triangle over the whole image.
     Fullscreen,
     /// A mesh around what a light reaches.
     LightVolume,
+    /// Places a caster in the shadow map.
+    ShadowVertex,
     /// Copies a tile of one shadow map to another.
     ShadowCompose,
-    /// Places a caster in the shadow map. Coordinates and colours are for masks only.
-    ShadowVertex {
-        /// Whether an alpha mask cuts the surface.
-        masked: bool,
-        /// Texture coordinates.
-        texcoord: bool,
-        /// Vertex colours.
-        color: bool,
-    },
-}
-
-/// The lights that a pixel looks at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum LightLoop {
-    /// All.
-    All,
-    /// Those that shine everywhere and those in the list of its cluster.
-    Cluster,
-    /// The one that is drawn.
-    One,
-}
-
-/// What shading reads of the lights: descriptors that exist only where they are needed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct LightInputs {
-    /// Which lights a pixel looks at.
-    pub scan: LightLoop,
-    /// Whether they cast shadows.
-    pub shadows: bool,
-    /// Whether some shine through globe maps.
-    pub globe_maps: bool,
-}
-
-impl LightInputs {
-    /// Without and with each kind of map, for each of these.
-    fn of(loops: &[LightLoop]) -> impl Iterator<Item = Self> {
-        let maps = [(false, false), (true, false), (false, true), (true, true)];
-        let of = move |&scan| maps.map(|(shadows, globe_maps)| Self { scan, shadows, globe_maps });
-        loops.iter().flat_map(of)
-    }
-
-    /// Its part of a module's name.
-    fn suffix(self) -> String {
-        let scan = match self.scan {
-            LightLoop::All => "",
-            LightLoop::Cluster => "_clusters",
-            LightLoop::One => "_one",
-        };
-        let suffix = |has: bool, text: &'static str| if has { text } else { "" };
-        format!("{scan}{}{}", suffix(self.shadows, "_shadows"), suffix(self.globe_maps, "_globes"))
-    }
-
-    /// Macros, and whether they are defined.
-    fn defines(self) -> [(bool, &'static str); 4] {
-        [
-            (self.scan == LightLoop::Cluster, "CLUSTERS"),
-            (self.scan == LightLoop::One, "ONE_LIGHT"),
-            (self.shadows, "SHADOWS"),
-            (self.globe_maps, "GLOBE_MAPS"),
-        ]
-    }
-}
-
-/// Every kind.
-const AROUND: [Around; 4] = [Around::Nothing, Around::Ambient, Around::Environment, Around::Probes];
-
-fn around_suffix(around: Around) -> &'static str {
-    match around {
-        Around::Nothing => "",
-        Around::Ambient => "_ambient",
-        Around::Environment => "_environment",
-        Around::Probes => "_probes",
-    }
 }
 
 impl Module {
     /// Every module that exists.
     pub fn all() -> Vec<Self> {
-        let mut all = Vec::new();
-        for attributes in 0..32 {
-            let has = |bit: u32| attributes >> bit & 1 == 1;
-            let (normal, texcoord, tangent, color, lightmap) = (has(0), has(1), has(2), has(3), has(4));
-            if !(tangent || lightmap) || (normal && texcoord) {
-                all.push(Self::GeometryVertex { normal, texcoord, tangent, color, lightmap });
-            }
-        }
+        let mut all = vec![Self::GeometryVertex, Self::ShadowVertex, Self::LightVolume, Self::Fullscreen];
+        all.extend([Self::Unlit, Self::Forward, Self::Base, Self::Light, Self::Mask, Self::Sky(None)]);
         for &layout in Layout::ALL {
-            for textured in [false, true] {
-                let module = |light_target, around, lightmap| Self::GeometryFragment {
-                    layout,
-                    light_target,
-                    textured,
-                    around,
-                    lightmap,
-                };
-                all.push(module(false, Around::Nothing, false));
-                for lightmap in [false, true] {
-                    all.extend(AROUND.map(|around| module(true, around, lightmap)));
-                }
-            }
-            let layout_of_sky = Some(layout);
-            all.extend([false, true].map(|probes| Self::Sky {
-                layout: layout_of_sky,
-                light_target: true,
-                probes,
-            }));
-            let loops = [LightLoop::All, LightLoop::Cluster, LightLoop::One];
-            all.extend(LightInputs::of(&loops).map(|lights| Self::Lighting { layout, lights }));
+            all.extend([Self::GeometryFragment(layout), Self::Sky(Some(layout)), Self::Lighting(layout)]);
         }
-        for textured in [false, true] {
-            all.push(Self::Unlit { textured });
-            for lightmap in [false, true] {
-                all.extend(AROUND.map(|around| Self::Base { textured, around, lightmap }));
-                for lights in LightInputs::of(&[LightLoop::All, LightLoop::Cluster]) {
-                    all.extend(AROUND.map(|around| Self::Forward { textured, lights, around, lightmap }));
-                }
-            }
-        }
-        for textured in [false, true] {
-            all.extend(LightInputs::of(&[LightLoop::One]).map(|lights| Self::Light { textured, lights }));
-            all.push(Self::Mask { textured });
-        }
-        all.extend([false, true].map(|fog| Self::Tonemap { fog }));
-        for (light_target, probes) in [(false, false), (true, false), (false, true), (true, true)] {
-            all.push(Self::Sky { layout: None, light_target, probes });
-        }
-        all.extend([Self::Fullscreen, Self::LightVolume, Self::ShadowCompose]);
-        for (masked, texcoord, color) in
-            [(false, false, false), (true, true, false), (true, false, true), (true, true, true)]
-        {
-            all.push(Self::ShadowVertex { masked, texcoord, color });
-        }
+        all.extend([Self::Tonemap, Self::ShadowCompose]);
         all
-    }
-
-    /// A name that no other module has: that of its SPIR-V file, without `.spv`.
-    pub fn name(self) -> String {
-        let suffix = |has: bool, text: &'static str| if has { text } else { "" };
-        match self {
-            Self::GeometryVertex { normal: false, texcoord: false, tangent: false, color: false, .. } => {
-                "geometry_p.vert".into()
-            }
-            Self::GeometryVertex { normal, texcoord, tangent, color, lightmap } => format!(
-                "geometry_{}{}{}{}{}.vert",
-                suffix(normal, "n"),
-                suffix(texcoord, "u"),
-                suffix(tangent, "t"),
-                suffix(color, "c"),
-                suffix(lightmap, "l"),
-            ),
-            Self::GeometryFragment { layout, light_target, textured, around, lightmap } => format!(
-                "geometry_{layout}{}{}{}{}.frag",
-                suffix(light_target, "_light"),
-                suffix(textured, "_textured"),
-                around_suffix(around),
-                suffix(lightmap, "_lightmap"),
-            ),
-            Self::Unlit { textured } => format!("unlit{}.frag", suffix(textured, "_textured")),
-            Self::Base { textured, around, lightmap } => format!(
-                "base{}{}{}.frag",
-                suffix(textured, "_textured"),
-                around_suffix(around),
-                suffix(lightmap, "_lightmap"),
-            ),
-            Self::Light { textured, lights } => {
-                format!("light{}{}.frag", suffix(textured, "_textured"), lights.suffix())
-            }
-            Self::Mask { textured } => format!("mask{}.frag", suffix(textured, "_textured")),
-            Self::Forward { textured, lights, around, lightmap } => format!(
-                "forward{}{}{}{}.frag",
-                lights.suffix(),
-                suffix(textured, "_textured"),
-                around_suffix(around),
-                suffix(lightmap, "_lightmap"),
-            ),
-            Self::Lighting { layout, lights } => format!("lighting_{layout}{}.frag", lights.suffix()),
-            Self::ShadowCompose => "shadow_compose.frag".into(),
-            Self::ShadowVertex { masked: false, .. } => "shadow.vert".into(),
-            Self::ShadowVertex { texcoord, color, .. } => {
-                format!("shadow_masked_{}{}.vert", suffix(texcoord, "u"), suffix(color, "c"))
-            }
-            Self::Tonemap { fog } => format!("tonemap{}.frag", suffix(fog, "_fog")),
-            Self::Sky { layout, light_target, probes } => {
-                let layout = layout.map_or(String::new(), |layout| format!("_{layout}"));
-                format!("sky{layout}{}{}.frag", suffix(light_target, "_light"), suffix(probes, "_probes"))
-            }
-            Self::Fullscreen => "fullscreen.vert".into(),
-            Self::LightVolume => "light_volume.vert".into(),
-        }
     }
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
     pub fn source(self) -> &'static str {
         match self {
-            Self::GeometryVertex { .. } => "geometry.vert",
-            Self::GeometryFragment { .. } => "geometry.frag",
-            Self::Unlit { .. } => "unlit.frag",
-            Self::Forward { .. } => "forward.frag",
-            Self::Base { .. } => "base.frag",
-            Self::Light { .. } => "light.frag",
-            Self::Mask { .. } => "mask.frag",
-            Self::Lighting { .. } => "lighting.frag",
-            Self::Tonemap { .. } => "tonemap.frag",
-            Self::Sky { .. } => "sky.frag",
+            Self::GeometryVertex => "geometry.vert",
+            Self::GeometryFragment(_) => "geometry.frag",
+            Self::Unlit => "unlit.frag",
+            Self::Forward => "forward.frag",
+            Self::Base => "base.frag",
+            Self::Light => "light.frag",
+            Self::Mask => "mask.frag",
+            Self::Lighting(_) => "lighting.frag",
+            Self::Tonemap => "tonemap.frag",
+            Self::Sky(_) => "sky.frag",
             Self::Fullscreen => "fullscreen.vert",
-            Self::ShadowCompose => "shadow_compose.frag",
-            Self::ShadowVertex { .. } => "shadow.vert",
             Self::LightVolume => "light_volume.vert",
+            Self::ShadowVertex => "shadow.vert",
+            Self::ShadowCompose => "shadow_compose.frag",
+        }
+    }
+
+    fn layout(self) -> Option<Layout> {
+        match self {
+            Self::GeometryFragment(layout) | Self::Lighting(layout) => Some(layout),
+            Self::Sky(layout) => layout,
+            _ => None,
+        }
+    }
+
+    /// A name that no other module has: that of its SPIR-V file, without `.spv`.
+    pub fn name(self) -> String {
+        match (self.layout(), self.source().split_once('.')) {
+            (Some(layout), Some((stem, stage))) => format!("{stem}_{layout}.{stage}"),
+            _ => self.source().into(),
         }
     }
 
     /// The stage that it is for.
     pub fn stage(self) -> Stage {
-        match self {
-            Self::GeometryVertex { .. }
-            | Self::Fullscreen
-            | Self::LightVolume
-            | Self::ShadowVertex { .. } => Stage::Vertex,
-            Self::GeometryFragment { .. }
-            | Self::Unlit { .. }
-            | Self::Forward { .. }
-            | Self::Base { .. }
-            | Self::Light { .. }
-            | Self::Mask { .. }
-            | Self::Lighting { .. }
-            | Self::Tonemap { .. }
-            | Self::ShadowCompose
-            | Self::Sky { .. } => Stage::Fragment,
-        }
+        if self.source().ends_with(".vert") { Stage::Vertex } else { Stage::Fragment }
     }
 
-    /// The macros that are defined when it is compiled.
-    pub fn defines(self) -> Vec<&'static str> {
-        let layout_define = |layout| match layout {
+    /// The macro that is defined when it is compiled.
+    pub fn define(self) -> Option<&'static str> {
+        self.layout().map(|layout| match layout {
             Layout::Metallic128 => "LAYOUT_METALLIC128",
             Layout::Exact => "LAYOUT_EXACT",
-        };
-        let chosen = |defines: &[(bool, &'static str)]| {
-            defines.iter().filter(|(wanted, _)| *wanted).map(|(_, define)| *define).collect()
-        };
-        match self {
-            Self::GeometryVertex { normal, texcoord, tangent, color, lightmap } => chosen(&[
-                (normal, "HAS_NORMAL"),
-                (texcoord, "HAS_TEXCOORD"),
-                (tangent, "HAS_TANGENT"),
-                (color, "HAS_COLOR"),
-                (lightmap, "LIGHTMAP"),
-            ]),
-            Self::GeometryFragment { layout, light_target, textured, around, lightmap } => chosen(&[
-                (true, layout_define(layout)),
-                (light_target, "LIGHT_TARGET"),
-                (textured, "TEXTURED"),
-                (around >= Around::Ambient, "AMBIENT"),
-                (around >= Around::Environment, "ENVIRONMENT"),
-                (lightmap, "LIGHTMAP"),
-                (around >= Around::Probes, "PROBES"),
-            ]),
-            Self::Unlit { textured } | Self::Mask { textured } => chosen(&[(textured, "TEXTURED")]),
-            Self::Light { textured, lights } => {
-                chosen(&[&[(textured, "TEXTURED")][..], &lights.defines()].concat())
-            }
-            Self::Base { textured, around, lightmap } => chosen(&[
-                (textured, "TEXTURED"),
-                (around >= Around::Ambient, "AMBIENT"),
-                (around >= Around::Environment, "ENVIRONMENT"),
-                (lightmap, "LIGHTMAP"),
-                (around >= Around::Probes, "PROBES"),
-            ]),
-            Self::Forward { textured, lights, around, lightmap } => {
-                let surface = [
-                    (textured, "TEXTURED"),
-                    (around >= Around::Ambient, "AMBIENT"),
-                    (around >= Around::Environment, "ENVIRONMENT"),
-                    (around >= Around::Probes, "PROBES"),
-                    (lightmap, "LIGHTMAP"),
-                ];
-                chosen(&[&surface[..], &lights.defines()].concat())
-            }
-            Self::Lighting { layout, lights } => {
-                chosen(&[&[(true, layout_define(layout))][..], &lights.defines()].concat())
-            }
-            Self::ShadowVertex { masked, texcoord, color } => {
-                chosen(&[(masked, "MASKED"), (texcoord, "HAS_TEXCOORD"), (color, "HAS_COLOR")])
-            }
-            Self::Tonemap { fog } => chosen(&[(fog, "WITH_FOG")]),
-            Self::Sky { layout, light_target, probes } => {
-                let others = chosen(&[(light_target, "LIGHT_TARGET"), (probes, "PROBES")]);
-                layout.map(layout_define).into_iter().chain(others).collect()
-            }
-            Self::Fullscreen | Self::LightVolume | Self::ShadowCompose => Vec::new(),
-        }
+        })
     }
 
     /// The compiled module; its entry point is `main`.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a key that [`Self::all`] does not list, and for a module that was not compiled.
+    /// [`Error::Unsupported`] for a module that was not compiled.
     pub fn spirv(self) -> Result<&'static [u32]> {
         let name = self.name();
         let (_, module) = EMBEDDED.iter().find(|(embedded, _)| *embedded == name).ok_or_else(|| {
-            Error::unsupported(
-                format!("there is no shader module '{name}'"),
-                "add it to Module::all and run ./tools/shaders",
-            )
+            Error::unsupported(format!("there is no shader module '{name}'"), "run ./tools/shaders")
         })?;
         Ok(bytemuck::cast_slice(&module.0))
+    }
+}
+
+/// The shaders of a pipeline: modules as specialisation constants leave them, linked so that a vertex shader writes no more than
+/// the fragment shader reads.
+#[derive(Clone, Debug)]
+pub struct Shaders {
+    /// SPIR-V of the vertex shader.
+    pub vertex: Vec<u32>,
+    /// SPIR-V of the fragment shader; what only tests depth has none.
+    pub fragment: Option<Vec<u32>>,
+    /// Locations of the vertex attributes that are read.
+    pub attributes: BTreeSet<u32>,
+}
+
+impl Shaders {
+    /// The shaders of a pipeline that consists of these modules.
+    ///
+    /// # Errors
+    /// As of [`Module::spirv`] and [`prune`].
+    pub fn new(vertex: Module, fragment: Option<Module>, constants: &Specialization) -> Result<Self> {
+        let left = |module: Module, read| prune(&module.name(), module.spirv()?, constants, read);
+        let fragment = fragment.map(|module| left(module, None)).transpose()?;
+        let (fragment, read) = fragment.map(|left| (left.spirv, left.inputs)).unzip();
+        let vertex = left(vertex, Some(&read.unwrap_or_default()))?;
+        Ok(Self { vertex: vertex.spirv, fragment, attributes: vertex.inputs })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Names, offsets and numbers of a SPIR-V module, compared with Rust's.
 
 use rspirv::dr::{Instruction, Module, Operand};
-use rspirv::spirv::{Decoration, Op, StorageClass};
+use rspirv::spirv::{Capability, Decoration, Op, StorageClass};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How a value lies in memory: (count, stride in bytes) from the outermost array to the components.
@@ -208,21 +208,52 @@ impl Reflection {
         named.collect()
     }
 
-    fn located(&self, class: StorageClass) -> BTreeSet<String> {
-        let variables = self.variables().into_iter();
-        let located = variables
-            .filter(|(_, c, id)| *c == class && self.decoration(*id, Decoration::Location).is_some());
-        located.map(|(name, ..)| name).collect()
+    fn locations(&self, class: StorageClass) -> BTreeSet<u32> {
+        let variables = self.variables().into_iter().filter(|(_, c, _)| *c == class);
+        variables.filter_map(|(.., id)| self.decoration(id, Decoration::Location)).collect()
     }
 
-    /// Names of the stage's inputs that have a location.
-    pub fn inputs(&self) -> BTreeSet<String> {
-        self.located(StorageClass::Input)
+    /// Locations of the stage's inputs.
+    pub fn input_locations(&self) -> BTreeSet<u32> {
+        self.locations(StorageClass::Input)
     }
 
-    /// Names of the stage's outputs that have a location.
-    pub fn outputs(&self) -> BTreeSet<String> {
-        self.located(StorageClass::Output)
+    /// Locations of the stage's outputs.
+    pub fn output_locations(&self) -> BTreeSet<u32> {
+        self.locations(StorageClass::Output)
+    }
+
+    /// How many descriptors it mentions, by set and binding.
+    pub fn bindings(&self) -> Vec<((u32, u32), u32)> {
+        let bound = self.variables().into_iter().filter_map(|(_, _, id)| {
+            let set = self.decoration(id, Decoration::DescriptorSet)?;
+            let pointer = self.global(self.global(id).result_type?);
+            let of = self.global(pointer.operands[1].unwrap_id_ref());
+            let count = match of.class.opcode {
+                Op::TypeArray => {
+                    self.global(of.operands[1].unwrap_id_ref()).operands[0].unwrap_literal_bit32()
+                }
+                _ => 1,
+            };
+            Some(((set, self.decoration(id, Decoration::Binding)?), count))
+        });
+        bound.collect()
+    }
+
+    /// Whether it has push constants.
+    pub fn has_push_constants(&self) -> bool {
+        self.variables().iter().any(|(_, class, _)| *class == StorageClass::PushConstant)
+    }
+
+    /// Whether it declares a capability.
+    pub fn has_capability(&self, wanted: Capability) -> bool {
+        self.module.capabilities.iter().any(|i| i.operands[0] == Operand::Capability(wanted))
+    }
+
+    /// Whether it has input attachments.
+    pub fn has_input_attachments(&self) -> bool {
+        let variables = self.variables();
+        variables.iter().any(|(.., id)| self.decoration(*id, Decoration::InputAttachmentIndex).is_some())
     }
 
     /// Specialisation constants by name.

@@ -134,7 +134,7 @@ impl Family {
     }
 
     /// The bindings of `SET_FRAME`, and of the second set.
-    fn sets(self) -> [Vec<Binding>; 2] {
+    pub(super) fn sets(self) -> [Vec<Binding>; 2] {
         use vk::{DescriptorType as T, ShaderStageFlags as S};
         let in_frame = FRAME_BINDINGS.iter().filter(|(binding, ..)| self.frame & (1 << binding) != 0);
         let second = match self.second {

@@ -2,6 +2,7 @@
 
 mod family;
 mod modules;
+mod parts;
 mod state;
 
 use std::collections::BTreeMap;
@@ -11,9 +12,11 @@ use ash::vk;
 
 pub(super) use family::{Family, FamilyLayout};
 use modules::modules;
+pub use parts::PipelineParts;
 use state::{FixedState, VertexInput};
 
-use super::shader::Module;
+use super::descriptor::Binding;
+use super::shader::Shaders;
 use super::{Called, Device, Owned, PipelineCache};
 use crate::Result;
 use crate::plan::{Pipeline, Plan};
@@ -98,30 +101,20 @@ impl Builder<'_> {
     fn build(&self, index: usize, pipeline: &Pipeline, place: Place) -> Result<Owned<vk::Pipeline>> {
         let plan = self.plan;
         let (vertex, fragment, constants) = modules(plan, pipeline);
-        let vertex = self.module(vertex)?;
-        let fragment = fragment.map(|module| self.module(module)).transpose()?;
-        let entries: Vec<_> = constants.ids.iter().enumerate().map(|(i, &id)| map_entry(id, i)).collect();
-        let special = vk::SpecializationInfo::default()
-            .map_entries(&entries)
-            .data(bytemuck::cast_slice(&constants.data));
+        let shaders = Shaders::new(vertex, fragment, &constants)?;
+        let name = plan.pipeline_text(pipeline);
+        let module = |spirv: &Vec<u32>| shader_module(self.device, spirv, &name);
+        let vertex = module(&shaders.vertex)?;
+        let fragment = shaders.fragment.as_ref().map(module).transpose()?;
         let stage = |stage, module: &Owned<vk::ShaderModule>| {
-            vk::PipelineShaderStageCreateInfo::default()
-                .stage(stage)
-                .module(module.raw())
-                .name(ENTRY)
-                .specialization_info(&special)
+            vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw()).name(ENTRY)
         };
         let vertex = stage(vk::ShaderStageFlags::VERTEX, &vertex);
         let fragment = fragment.as_ref().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module));
         let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
-        let input = match pipeline {
-            Pipeline::Surface(kind) => VertexInput::new(kind)?,
-            Pipeline::Light(kind) => VertexInput::of_light(kind)?,
-            Pipeline::Depth(kind) => VertexInput::of_depth(kind)?,
-            _ => VertexInput::default(),
-        };
+        let input = VertexInput::new(pipeline, &shaders.attributes)?;
         let state = FixedState::new(plan.subpass(index).2, pipeline);
-        self.create(&stages, &input, &state, place, &plan.pipeline_text(pipeline))
+        self.create(&stages, &input, &state, place, &name)
     }
 
     fn create(
@@ -160,22 +153,18 @@ impl Builder<'_> {
             None => info,
         };
         // SAFETY: everything that `info` points to outlives the call, and the modules match the layouts (a test
-        // compares both with the shared header).
+        // compares them).
         let created = unsafe {
             self.device.raw().create_graphics_pipelines(self.cache.raw(), &[info], self.device.callbacks())
         };
         let raw = created.map_err(|(_, result)| result).called("vkCreateGraphicsPipelines")?;
         Ok(Owned::new(self.device, raw[0], name))
     }
-
-    fn module(&self, module: Module) -> Result<Owned<vk::ShaderModule>> {
-        let info = vk::ShaderModuleCreateInfo::default().code(module.spirv()?);
-        // SAFETY: the words are SPIR-V that the shader compiler made and a test validates.
-        unsafe { self.device.create_shader_module(&info, &module.name()) }
-    }
 }
 
-fn map_entry(id: u32, index: usize) -> vk::SpecializationMapEntry {
-    let size = size_of::<u32>();
-    vk::SpecializationMapEntry { constant_id: id, offset: (index * size) as u32, size }
+pub(super) fn shader_module(device: &Device, spirv: &[u32], name: &str) -> Result<Owned<vk::ShaderModule>> {
+    let info = vk::ShaderModuleCreateInfo::default().code(spirv);
+    // SAFETY: the words are SPIR-V that the shader compiler made, and what `prune` leaves of it stays valid; tests validate
+    // both.
+    unsafe { device.create_shader_module(&info, name) }
 }

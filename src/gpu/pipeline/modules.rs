@@ -1,8 +1,8 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightInputs, LightLoop, LightingConstants, Module, OutputConstants, SkyConstants,
-    Specialization, TextureSlot, shared,
+    GeometryConstants, LightLoop, LightingConstants, LightmapConstants, Module, OutputConstants,
+    SkyConstants, Specialization, TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
 use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
@@ -11,97 +11,75 @@ use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
 /// are specialised with.
 pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
     let layout = plan.options.layout;
-    let output = OutputConstants {
-        tonemap: plan.options.tonemap,
-        dither: plan.options.dither,
-        background: plan.needs.background,
-        fog: plan.needs.fog,
+    let surface = |kind| surface_constants(plan, kind).specialization();
+    let (vertex, fragment, own) = match pipeline {
+        Pipeline::Depth(kind) => {
+            (Module::GeometryVertex, kind.alpha_mask.then_some(Module::Mask), surface(kind))
+        }
+        Pipeline::Surface(kind) => {
+            let fragment = if plan.has_gbuffer() {
+                Module::GeometryFragment(layout)
+            } else if plan.has_light_target() {
+                Module::Base
+            } else if kind.unlit {
+                Module::Unlit
+            } else {
+                Module::Forward
+            };
+            (Module::GeometryVertex, Some(fragment), surface(kind))
+        }
+        Pipeline::Light(kind) => (Module::GeometryVertex, Some(Module::Light), surface(kind)),
+        Pipeline::Sky => {
+            let (probes, light_target) = (!plan.needs.probes.is_empty(), plan.has_light_target());
+            let constants = SkyConstants { rgbm: is_rgbm(plan), probes, light_target };
+            let module = Module::Sky(plan.has_gbuffer().then_some(layout));
+            (Module::Fullscreen, Some(module), constants.specialization())
+        }
+        Pipeline::Lighting => (Module::Fullscreen, Some(Module::Lighting(layout)), Specialization::default()),
+        Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
+        Pipeline::LightVolume(shape) => {
+            (Module::LightVolume, Some(Module::Lighting(layout)), shape_constant(*shape))
+        }
+        Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), Specialization::default()),
     };
-    let lighting = LightingConstants {
+    let lighting = lighting_constants(plan, pipeline).specialization();
+    (vertex, fragment, lighting.and(output_constants(plan, pipeline).specialization()).and(own))
+}
+
+fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingConstants {
+    let all = LightingConstants {
+        scan: if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All },
         has_directional: plan.needs.directional_lights > 0,
         has_point: plan.needs.point_lights > 0,
         has_spot: plan.needs.spot_lights > 0,
         has_box: plan.needs.box_lights > 0,
         has_hemisphere: plan.needs.hemisphere_lights > 0,
         has_back: plan.needs.back_colors > 0,
-        shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
-        fold: plan.folded.then_some(output),
-    };
-    let lights = LightInputs {
-        scan: if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All },
-        shadows: plan.shadow_map.is_some(),
         globe_maps: plan.needs.globe_maps > 0,
+        shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
+        fold: plan.folded,
     };
-    let one_light = LightInputs { scan: LightLoop::One, ..lights };
     let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
-    let (vertex, fragment, constants) = match pipeline {
-        Pipeline::Depth(kind) => {
-            let textured = kind.textures != 0;
-            let vertex = Module::GeometryVertex {
-                normal: false,
-                texcoord: textured,
-                tangent: false,
-                color: kind.vertex_color,
-                lightmap: false,
-            };
-            let mask = kind.alpha_mask.then_some(Module::Mask { textured });
-            return (vertex, mask, surface_constants(plan, kind).specialization());
-        }
-        Pipeline::Surface(kind) => {
-            let (textured, lightmap) = (kind.textures != 0, kind.has_lightmap());
-            let constants = surface_constants(plan, kind).specialization();
-            let vertex = vertex_module(kind, lightmap);
-            if plan.has_gbuffer() {
-                let light_target = plan.has_light_target();
-                let around = kind.around;
-                let module = Module::GeometryFragment { layout, light_target, textured, around, lightmap };
-                (vertex, module, constants)
-            } else if plan.has_light_target() {
-                let around = kind.around;
-                let constants = constants.and(lighting.specialization()).and(output.specialization());
-                (vertex, Module::Base { textured, around, lightmap }, constants)
-            } else if kind.unlit {
-                (vertex, Module::Unlit { textured }, constants.and(output.specialization()))
-            } else {
-                let around = kind.around;
-                let module = Module::Forward { textured, lights, around, lightmap };
-                (vertex, module, constants.and(lighting.specialization()))
-            }
-        }
-        Pipeline::Light(kind) => {
-            let constants = surface_constants(plan, kind)
-                .specialization()
-                .and(lighting.specialization())
-                .and(output.specialization());
-            (
-                vertex_module(kind, false),
-                Module::Light { textured: kind.textures != 0, lights: one_light },
-                constants,
-            )
-        }
-        Pipeline::Sky => {
-            let (layout, light_target) = (plan.has_gbuffer().then_some(layout), plan.has_light_target());
-            let constants = SkyConstants { rgbm: is_rgbm(plan), output };
-            let probes = !plan.needs.probes.is_empty();
-            (Module::Fullscreen, Module::Sky { layout, light_target, probes }, constants.specialization())
-        }
-        Pipeline::Lighting => {
-            let lighting = if one_by_one { lighting.only_global() } else { lighting };
-            let module = Module::Lighting { layout, lights };
-            (Module::Fullscreen, module, lighting.specialization())
-        }
-        Pipeline::LightMask(shape) => return (Module::LightVolume, None, shape_constant(*shape)),
-        Pipeline::LightVolume(shape) => {
-            let module = Module::Lighting { layout, lights: one_light };
-            let constants = lighting.only_local().specialization().and(shape_constant(*shape));
-            (Module::LightVolume, module, constants)
-        }
-        Pipeline::Tonemap => {
-            let fog = plan.needs.fog.is_some() && plan.has_gbuffer();
-            (Module::Fullscreen, Module::Tonemap { fog }, output.specialization())
-        }
+    match pipeline {
+        Pipeline::Lighting if one_by_one => all.only_global(),
+        Pipeline::LightVolume(_) => all.one_local(),
+        _ => all,
+    }
+}
+
+fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
+    // Fog comes before light that is complete.
+    let applies_fog = match pipeline {
+        Pipeline::Lighting | Pipeline::LightVolume(_) => plan.folded,
+        Pipeline::Tonemap => plan.has_gbuffer(),
+        _ => true,
     };
-    (vertex, Some(fragment), constants)
+    OutputConstants {
+        tonemap: plan.options.tonemap,
+        dither: plan.options.dither,
+        background: plan.needs.background,
+        fog: plan.needs.fog.filter(|_| applies_fog),
+    }
 }
 
 fn shape_constant(shape: VolumeShape) -> Specialization {
@@ -111,16 +89,6 @@ fn shape_constant(shape: VolumeShape) -> Specialization {
         VolumeShape::Cone => const { shared("VOLUME_CONE") },
         VolumeShape::Box => const { shared("VOLUME_BOX") },
     })
-}
-
-fn vertex_module(kind: &SurfaceKind, lightmap: bool) -> Module {
-    Module::GeometryVertex {
-        normal: !kind.unlit,
-        texcoord: kind.textures != 0 || lightmap,
-        tangent: kind.needs_tangents(),
-        color: kind.vertex_color,
-        lightmap,
-    }
 }
 
 fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
@@ -138,10 +106,14 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
         unlit: kind.unlit,
         vertex_color: kind.vertex_color,
         emissive: kind.emissive,
-        has_environment: plan.needs.environment.is_some(),
+        around: kind.around,
         rgbm: is_rgbm(plan),
-        lightmap_unit_lx: plan.needs.lightmap.map_or(1.0, |map| map.unit_lx),
-        lightmap_rgbm: plan.needs.lightmap.is_some() && plan.options.lightmap_format == TexelFormat::Rgbm,
+        has_environment: plan.needs.environment.is_some(),
+        lightmap: plan.needs.lightmap.filter(|_| kind.has_lightmap()).map(|map| LightmapConstants {
+            unit_lx: map.unit_lx,
+            rgbm: plan.options.lightmap_format == TexelFormat::Rgbm,
+        }),
+        light_target: plan.has_light_target(),
     }
 }
 

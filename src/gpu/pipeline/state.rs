@@ -1,12 +1,14 @@
 //! Fixed-function state of pipelines.
 
+use std::collections::BTreeSet;
+
 use ash::vk;
 
 use super::super::scene_data::vertex_streams;
 use super::super::shader::shared;
 use super::super::{StreamKind, texel_bytes};
 use crate::Result;
-use crate::plan::{Pipeline, Subpass, SurfaceKind, VolumeShape};
+use crate::plan::{Pipeline, Subpass, VolumeShape};
 
 /// Vertex attributes in the order of their streams.
 #[derive(Default)]
@@ -16,29 +18,14 @@ pub(super) struct VertexInput {
 }
 
 impl VertexInput {
-    pub(super) fn new(kind: &SurfaceKind) -> Result<Self> {
-        Self::of(kind, |stream| stream != StreamKind::Texcoords || kind.reads_texcoords())
-    }
-
-    /// As [`Self::new`], where no lightmap is read.
-    pub(super) fn of_light(kind: &SurfaceKind) -> Result<Self> {
-        Self::of(kind, |stream| stream != StreamKind::Texcoords || kind.textures != 0)
-    }
-
-    /// What depth and masks need; the rest may be bound and is not read.
-    pub(super) fn of_depth(kind: &SurfaceKind) -> Result<Self> {
-        Self::of(kind, |stream| match stream {
-            StreamKind::Position => true,
-            StreamKind::Texcoords => kind.alpha_mask && kind.textures != 0,
-            StreamKind::Color => kind.alpha_mask,
-            StreamKind::Normal | StreamKind::Tangent => false,
-        })
-    }
-
-    fn of(kind: &SurfaceKind, wanted: impl Fn(StreamKind) -> bool) -> Result<Self> {
+    /// The attributes at these locations; others may be bound and are not read.
+    pub(super) fn new(pipeline: &Pipeline, attributes: &BTreeSet<u32>) -> Result<Self> {
+        let (Pipeline::Surface(kind) | Pipeline::Light(kind) | Pipeline::Depth(kind)) = pipeline else {
+            return Ok(Self::default());
+        };
         let mut input = Self::default();
         let streams = (0..).zip(vertex_streams(kind).list());
-        for (binding, (stream, format)) in streams.filter(|(_, (stream, _))| wanted(*stream)) {
+        for (binding, (stream, format)) in streams {
             let location = match stream {
                 StreamKind::Position => const { shared("ATTRIBUTE_POSITION") },
                 StreamKind::Normal => const { shared("ATTRIBUTE_NORMAL") },
@@ -46,6 +33,9 @@ impl VertexInput {
                 StreamKind::Texcoords => const { shared("ATTRIBUTE_TEXCOORD") },
                 StreamKind::Color => const { shared("ATTRIBUTE_COLOR") },
             };
+            if !attributes.contains(&location) {
+                continue;
+            }
             let stride = texel_bytes(format)?;
             let input_rate = vk::VertexInputRate::VERTEX;
             input.bindings.push(vk::VertexInputBindingDescription { binding, stride, input_rate });

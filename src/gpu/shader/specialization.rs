@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{KIND_COUNT, shared};
-use crate::plan::{ShadowFilter, Tonemap};
+use crate::plan::{Around, ShadowFilter, Tonemap};
 use crate::scene::Fog;
 
 /// Values for specialisation constants: `data[i]` is that of constant `ids[i]`.
@@ -50,7 +50,7 @@ pub struct TextureSlot {
     pub transformed: bool,
 }
 
-/// Constants of [`super::Module::GeometryFragment`], [`super::Module::Forward`] and [`super::Module::Unlit`].
+/// Constants of the modules that draw surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GeometryConstants {
     /// Base colour, metallic-roughness, normal, occlusion, emissive: those that the material has.
@@ -65,14 +65,25 @@ pub struct GeometryConstants {
     pub vertex_color: bool,
     /// The surface emits light.
     pub emissive: bool,
+    /// What arrives from all around; nothing without a light target.
+    pub around: Around,
     /// Radiance is stored as RGBM.
     pub rgbm: bool,
-    /// Irradiance in lux of the lightmap's decoded value 1.
-    pub lightmap_unit_lx: f32,
-    /// The lightmap is stored as RGBM.
-    pub lightmap_rgbm: bool,
     /// Beside probes the scene has an environment.
     pub has_environment: bool,
+    /// Whether a lightmap brings the diffuse light, and how.
+    pub lightmap: Option<LightmapConstants>,
+    /// The light target is written beside the G-buffer.
+    pub light_target: bool,
+}
+
+/// How a lightmap is stored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightmapConstants {
+    /// Irradiance in lux of the decoded value 1.
+    pub unit_lx: f32,
+    /// Irradiance is stored as RGBM.
+    pub rgbm: bool,
 }
 
 impl GeometryConstants {
@@ -107,17 +118,36 @@ impl GeometryConstants {
             (const { shared("ID_UNLIT") }, self.unlit.into()),
             (const { shared("ID_VERTEX_COLOR") }, self.vertex_color.into()),
             (const { shared("ID_EMISSIVE") }, self.emissive.into()),
+            (const { shared("ID_AMBIENT") }, (self.around >= Around::Ambient).into()),
+            (const { shared("ID_ENVIRONMENT") }, (self.around >= Around::Environment).into()),
             (const { shared("ID_RGBM") }, self.rgbm.into()),
-            (const { shared("ID_LIGHTMAP_UNIT") }, self.lightmap_unit_lx.to_bits()),
-            (const { shared("ID_LIGHTMAP_RGBM") }, self.lightmap_rgbm.into()),
+            (const { shared("ID_PROBES") }, (self.around >= Around::Probes).into()),
             (const { shared("ID_HAS_ENVIRONMENT") }, self.has_environment.into()),
+            (const { shared("ID_LIGHTMAP") }, self.lightmap.is_some().into()),
+            (const { shared("ID_LIGHTMAP_UNIT") }, self.lightmap.map_or(0.0, |map| map.unit_lx).to_bits()),
+            (const { shared("ID_LIGHTMAP_RGBM") }, self.lightmap.is_some_and(|map| map.rgbm).into()),
+            (const { shared("ID_LIGHT_TARGET") }, self.light_target.into()),
         ])
     }
 }
 
-/// Constants of [`super::Module::Lighting`] and [`super::Module::Forward`].
+/// The lights that a pixel looks at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum LightLoop {
+    /// All.
+    #[default]
+    All,
+    /// Those that shine everywhere and those in the list of its cluster.
+    Cluster,
+    /// The one that is drawn.
+    One,
+}
+
+/// Constants of the modules that shade surfaces by lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LightingConstants {
+    /// Which lights a pixel looks at.
+    pub scan: LightLoop,
     /// The scene has directional lights.
     pub has_directional: bool,
     /// The scene has point lights.
@@ -130,10 +160,12 @@ pub struct LightingConstants {
     pub has_hemisphere: bool,
     /// Some directional or box light has a back colour.
     pub has_back: bool,
+    /// Some light shines through a globe map.
+    pub globe_maps: bool,
     /// How shadow maps are sampled, where lights have them.
     pub shadow_filter: Option<ShadowFilter>,
-    /// Lighting writes the output itself, like this; `None` adds to the light target.
-    pub fold: Option<OutputConstants>,
+    /// Lighting writes the output itself, as [`OutputConstants`] say; else it adds to the light target.
+    pub fold: bool,
 }
 
 impl LightingConstants {
@@ -142,41 +174,37 @@ impl LightingConstants {
         Self { has_point: false, has_spot: false, has_box: false, ..self }
     }
 
-    /// For lights that have a place alone.
-    pub fn only_local(self) -> Self {
-        Self { has_directional: false, has_hemisphere: false, ..self }
+    /// For one light that has a place.
+    pub fn one_local(self) -> Self {
+        Self { scan: LightLoop::One, has_directional: false, has_hemisphere: false, ..self }
     }
 
     /// As ids and values.
     pub fn specialization(&self) -> Specialization {
-        let lights = Specialization::from_pairs(&[
+        Specialization::from_pairs(&[
+            (const { shared("ID_CLUSTERS") }, (self.scan == LightLoop::Cluster).into()),
+            (const { shared("ID_ONE_LIGHT") }, (self.scan == LightLoop::One).into()),
             (const { shared("ID_HAS_DIRECTIONAL") }, self.has_directional.into()),
             (const { shared("ID_HAS_POINT") }, self.has_point.into()),
             (const { shared("ID_HAS_SPOT") }, self.has_spot.into()),
             (const { shared("ID_HAS_BOX") }, self.has_box.into()),
             (const { shared("ID_HAS_HEMISPHERE") }, self.has_hemisphere.into()),
             (const { shared("ID_HAS_BACK") }, self.has_back.into()),
-            (const { shared("ID_FOLD") }, self.fold.is_some().into()),
-        ]);
-        let lights = match self.shadow_filter {
-            Some(filter) => lights.and(shadow_constants(filter)),
-            None => lights,
-        };
-        match self.fold {
-            Some(output) => lights.and(output.specialization()),
-            None => lights,
-        }
+            (const { shared("ID_GLOBE_MAPS") }, self.globe_maps.into()),
+            (const { shared("ID_SHADOWS") }, self.shadow_filter.is_some().into()),
+            (const { shared("ID_SHADOW_FILTER") }, self.shadow_filter.map_or(0, shadow_filter)),
+            (const { shared("ID_FOLD") }, self.fold.into()),
+        ])
     }
 }
 
-fn shadow_constants(filter: ShadowFilter) -> Specialization {
-    let filter = match filter {
+fn shadow_filter(filter: ShadowFilter) -> u32 {
+    match filter {
         ShadowFilter::Hardware => const { shared("SHADOW_FILTER_HARDWARE") },
         ShadowFilter::Grid3 => const { shared("SHADOW_FILTER_GRID3") },
         ShadowFilter::Grid5 => const { shared("SHADOW_FILTER_GRID5") },
         ShadowFilter::Jittered => const { shared("SHADOW_FILTER_JITTERED") },
-    };
-    Specialization::from_pairs(&[(const { shared("ID_SHADOW_FILTER") }, filter)])
+    }
 }
 
 /// Constants of [`super::Module::Sky`].
@@ -184,15 +212,20 @@ fn shadow_constants(filter: ShadowFilter) -> Specialization {
 pub struct SkyConstants {
     /// Radiance is stored as RGBM.
     pub rgbm: bool,
-    /// Of the sky that is written to the output; without effect on one in the light target.
-    pub output: OutputConstants,
+    /// There are probes beside the environment.
+    pub probes: bool,
+    /// It goes to the light target where there is no G-buffer either.
+    pub light_target: bool,
 }
 
 impl SkyConstants {
     /// As ids and values.
     pub fn specialization(&self) -> Specialization {
-        let rgbm = Specialization::from_pairs(&[(const { shared("ID_RGBM") }, self.rgbm.into())]);
-        self.output.specialization().and(rgbm)
+        Specialization::from_pairs(&[
+            (const { shared("ID_RGBM") }, self.rgbm.into()),
+            (const { shared("ID_PROBES") }, self.probes.into()),
+            (const { shared("ID_LIGHT_TARGET") }, self.light_target.into()),
+        ])
     }
 }
 

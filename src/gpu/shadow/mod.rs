@@ -29,6 +29,7 @@ use crate::{Error, Result};
 use casters::{Batch, Casters};
 use lights::LightViews;
 use pipelines::{Builder, CasterPipelines, tile_pass};
+pub(super) use pipelines::{caster_bindings, caster_input, caster_modules};
 use static_map::StaticMap;
 use tiles::{Moves, Tiles};
 

@@ -3,7 +3,8 @@
 use ash::vk;
 
 use super::super::descriptor::{Binding, set_layout};
-use super::super::shader::{GeometryConstants, Module, Specialization, TextureSlot, shared};
+use super::super::pipeline::shader_module;
+use super::super::shader::{GeometryConstants, Module, Shaders, Specialization, TextureSlot, shared};
 use super::super::shared::ShadowPush;
 use super::super::{Called, Device, Image, Owned, PipelineCache, texel_bytes};
 use crate::Result;
@@ -69,19 +70,12 @@ impl CasterPipelines {
 
 impl CasterLayout {
     fn new(device: &Device, kind: &CasterKind) -> Result<Self> {
-        use vk::{DescriptorType as T, ShaderStageFlags as S};
-        let instances = (const { shared("BINDING_INSTANCES") }, T::STORAGE_BUFFER, 1, S::VERTEX);
-        let mut bindings = vec![vec![instances]];
-        if let Some(mask) = kind.mask {
-            let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
-            let texture = (const { shared("BINDING_TEXTURES") }, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT);
-            bindings.push(std::iter::once(numbers).chain(mask.textured.then_some(texture)).collect());
-        }
+        let bindings = caster_bindings(kind);
         let sets: Vec<_> =
             bindings.iter().map(|b| set_layout(device, b, "shadow caster")).collect::<Result<_>>()?;
         let raw: Vec<_> = sets.iter().map(Owned::raw).collect();
         let push = [vk::PushConstantRange {
-            stage_flags: S::VERTEX,
+            stage_flags: vk::ShaderStageFlags::VERTEX,
             offset: 0,
             size: size_of::<ShadowPush>() as u32,
         }];
@@ -113,15 +107,6 @@ impl Builder<'_> {
     }
 
     fn caster(&self, kind: &CasterKind, layout: &CasterLayout) -> Result<Owned<vk::Pipeline>> {
-        let vertex = Module::ShadowVertex {
-            masked: kind.mask.is_some(),
-            texcoord: kind.mask.is_some_and(|m| m.textured),
-            color: kind.mask.is_some_and(|m| m.vertex_color),
-        };
-        let fragment = kind
-            .mask
-            .as_ref()
-            .map(|mask| (Module::Mask { textured: mask.textured }, mask_constants(mask).specialization()));
         // As the main pass draws it: faces that point away from the light cast no shadow, unless both sides exist. Depth is
         // reversed, so away from the light is down.
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
@@ -135,15 +120,15 @@ impl Builder<'_> {
             .depth_bias_constant_factor(-CONSTANT_BIAS)
             .depth_bias_slope_factor(-SLOPE_BIAS)
             .line_width(1.0);
-        let input = vertex_input(kind.mask.as_ref())?;
+        let input = caster_input(kind.mask.as_ref())?;
         let (compare, name) = (vk::CompareOp::GREATER, format!("shadow caster, {kind}"));
-        self.build(vertex, fragment, &input, &raster, compare, &layout.layout, &name)
+        self.build(&caster_modules(kind), &input, &raster, compare, &layout.layout, &name)
     }
 
     /// What a tile begins with: one triangle that is as far away as can be, or where its fragment shader says.
     pub(super) fn base(
         &self,
-        fragment: Option<(Module, Specialization)>,
+        fragment: Option<Module>,
         layout: &Owned<vk::PipelineLayout>,
         name: &str,
     ) -> Result<Owned<vk::Pipeline>> {
@@ -152,42 +137,28 @@ impl Builder<'_> {
             .cull_mode(vk::CullModeFlags::NONE)
             .line_width(1.0);
         let (input, always) = (VertexInput::default(), vk::CompareOp::ALWAYS);
-        self.build(Module::Fullscreen, fragment, &input, &raster, always, layout, name)
+        let modules = (Module::Fullscreen, fragment, Specialization::default());
+        self.build(&modules, &input, &raster, always, layout, name)
     }
 
     #[allow(clippy::too_many_arguments, reason = "what sets the two kinds of pipelines apart")]
     fn build(
         &self,
-        vertex: Module,
-        fragment: Option<(Module, Specialization)>,
+        (vertex, fragment, constants): &(Module, Option<Module>, Specialization),
         (bindings, attributes): &VertexInput,
         raster: &vk::PipelineRasterizationStateCreateInfo<'_>,
         compare: vk::CompareOp,
         layout: &Owned<vk::PipelineLayout>,
         name: &str,
     ) -> Result<Owned<vk::Pipeline>> {
-        let module = |module: Module| {
-            let info = vk::ShaderModuleCreateInfo::default().code(module.spirv()?);
-            // SAFETY: the words are SPIR-V that the shader compiler made and a test validates.
-            unsafe { self.device.create_shader_module(&info, &module.name()) }
-        };
-        let vertex = module(vertex)?;
-        let (fragment, constants) = fragment.map(|(m, c)| (module(m), c)).unzip();
-        let fragment = fragment.transpose()?;
-        let constants = constants.unwrap_or_default();
-        let entries: Vec<_> = (0_u32..)
-            .zip(&constants.ids)
-            .map(|(i, &constant_id)| vk::SpecializationMapEntry { constant_id, offset: 4 * i, size: 4 })
-            .collect();
-        let special = vk::SpecializationInfo::default()
-            .map_entries(&entries)
-            .data(bytemuck::cast_slice(&constants.data));
+        let shaders = Shaders::new(*vertex, *fragment, constants)?;
+        let module = |spirv: &Vec<u32>| shader_module(self.device, spirv, name);
+        let vertex = module(&shaders.vertex)?;
+        let fragment = shaders.fragment.as_ref().map(module).transpose()?;
         let stage = |stage, module: &Owned<vk::ShaderModule>| {
             vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.raw()).name(c"main")
         };
-        let fragment = fragment
-            .as_ref()
-            .map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module).specialization_info(&special));
+        let fragment = fragment.as_ref().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module));
         let vertex = stage(vk::ShaderStageFlags::VERTEX, &vertex);
         let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
         let input = vk::PipelineVertexInputStateCreateInfo::default()
@@ -218,7 +189,7 @@ impl Builder<'_> {
             .subpass(0);
         let device = self.device;
         // SAFETY: everything that `info` points to outlives the call, and the modules match the layout (a test compares
-        // both with the shared header).
+        // them).
         let created =
             unsafe { device.raw().create_graphics_pipelines(self.cache.raw(), &[info], device.callbacks()) };
         let raw = created.map_err(|(_, result)| result).called("vkCreateGraphicsPipelines")?;
@@ -226,25 +197,42 @@ impl Builder<'_> {
     }
 }
 
-/// What cuts a mask: the first and only texture of its descriptors is the base colour.
-fn mask_constants(mask: &CasterMask) -> GeometryConstants {
+/// Vertex and fragment shader of a caster, the latter for masks, and what they are specialised with. The first and only
+/// texture of a mask's descriptors is the base colour.
+pub(in crate::gpu) fn caster_modules(kind: &CasterKind) -> (Module, Option<Module>, Specialization) {
+    let Some(mask) = &kind.mask else { return (Module::ShadowVertex, None, Specialization::default()) };
     let base_color = mask.textured.then_some(TextureSlot {
         slot: 0,
         second_texcoord: mask.second_texcoord,
         transformed: mask.transformed,
     });
-    GeometryConstants {
+    let constants = GeometryConstants {
         textures: [base_color, None, None, None, None],
         alpha_mask: true,
         vertex_color: mask.vertex_color,
         ..GeometryConstants::default()
-    }
+    };
+    (Module::ShadowVertex, Some(Module::Mask), constants.specialization())
 }
 
-type VertexInput = (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>);
+/// What a caster's shaders read: the instances, and a mask's material.
+pub(in crate::gpu) fn caster_bindings(kind: &CasterKind) -> Vec<Vec<Binding>> {
+    use vk::{DescriptorType as T, ShaderStageFlags as S};
+    let instances = (const { shared("BINDING_INSTANCES") }, T::STORAGE_BUFFER, 1, S::VERTEX);
+    let mut bindings = vec![vec![instances]];
+    if let Some(mask) = kind.mask {
+        let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
+        let texture = (const { shared("BINDING_TEXTURES") }, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT);
+        bindings.push(std::iter::once(numbers).chain(mask.textured.then_some(texture)).collect());
+    }
+    bindings
+}
+
+pub(in crate::gpu) type VertexInput =
+    (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>);
 
 /// Positions, and what a mask reads, each a stream of its own.
-fn vertex_input(mask: Option<&CasterMask>) -> Result<VertexInput> {
+pub(in crate::gpu) fn caster_input(mask: Option<&CasterMask>) -> Result<VertexInput> {
     const POSITION: (u32, vk::Format) = (shared("ATTRIBUTE_POSITION"), vk::Format::R32G32B32_SFLOAT);
     let texcoords = mask.filter(|m| m.textured).map(|m| {
         let both = m.both_texcoords;

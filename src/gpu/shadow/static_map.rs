@@ -8,7 +8,7 @@
 use ash::vk;
 
 use super::super::descriptor::{Binding, Content, DescriptorSets, set_layout};
-use super::super::shader::{Module, Specialization, shared};
+use super::super::shader::{Module, shared};
 use super::super::{Device, Image, ImageDesc, Owned, Recorder, conv};
 use super::pipelines::Builder;
 use crate::Result;
@@ -40,8 +40,7 @@ impl StaticMap {
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&raw);
         // SAFETY: the set layout is alive.
         let layout = unsafe { device.create_pipeline_layout(&info, "static shadow map") }?;
-        let copy = (Module::ShadowCompose, Specialization::default());
-        let pipeline = builder.base(Some(copy), &layout, "shadow compose")?;
+        let pipeline = builder.base(Some(Module::ShadowCompose), &layout, "shadow compose")?;
         let sets = DescriptorSets::new(device, &[(set_layout.raw(), &bindings)], "static shadow map")?
             .expect("one set is asked for");
         let info = vk::DescriptorImageInfo::default()

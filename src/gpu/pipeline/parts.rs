@@ -1,0 +1,71 @@
+//! What pipelines are made of, as far as it follows from the plan alone.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::super::shader::Shaders;
+use super::super::shadow::{caster_bindings, caster_input, caster_modules};
+use super::{Family, VertexInput, modules};
+use crate::Result;
+use crate::plan::Plan;
+
+/// One pipeline: its shaders, and what it provides them with. Shaders mention what they are provided with, and a pipeline
+/// provides no more than they mention.
+#[derive(Clone, Debug)]
+pub struct PipelineParts {
+    /// As the plan prints it.
+    pub name: String,
+    /// What runs.
+    pub shaders: Shaders,
+    /// How many descriptors there are, by set and binding.
+    pub bindings: BTreeMap<(u32, u32), u32>,
+    /// Locations of vertex attributes.
+    pub attributes: BTreeSet<u32>,
+    /// How many colour attachments the fragment shader writes.
+    pub targets: u32,
+    /// Whether there are push constants.
+    pub push_constants: bool,
+}
+
+impl PipelineParts {
+    /// Every pipeline of a plan, those of casters of shadows after the others.
+    ///
+    /// # Errors
+    /// As of [`Shaders::new`].
+    pub fn of(plan: &Plan) -> Result<Vec<Self>> {
+        let of_plan = plan.pipelines.iter().map(|(stage, pipeline)| {
+            let (vertex, fragment, constants) = modules(plan, pipeline);
+            let family = Family::of(plan, *stage, pipeline);
+            let shaders = Shaders::new(vertex, fragment, &constants)?;
+            let input = VertexInput::new(pipeline, &shaders.attributes)?;
+            Ok(Self {
+                name: plan.pipeline_text(pipeline),
+                bindings: counts(&family.sets()),
+                attributes: input.attributes.iter().map(|a| a.location).collect(),
+                targets: fragment.map_or(0, |_| plan.subpass(*stage).2.colors.len() as u32),
+                push_constants: family.has_push_constants(),
+                shaders,
+            })
+        });
+        let casters = plan.shadow_map.iter().flat_map(|map| &map.casters).map(|kind| {
+            let (vertex, fragment, constants) = caster_modules(kind);
+            Ok(Self {
+                name: format!("shadow caster, {kind}"),
+                shaders: Shaders::new(vertex, fragment, &constants)?,
+                bindings: counts(&caster_bindings(kind)),
+                attributes: caster_input(kind.mask.as_ref())?.1.iter().map(|a| a.location).collect(),
+                targets: 0,
+                push_constants: true,
+            })
+        });
+        of_plan.chain(casters).collect()
+    }
+}
+
+fn counts(sets: &[Vec<super::Binding>]) -> BTreeMap<(u32, u32), u32> {
+    let numbered = (0..).zip(sets);
+    numbered
+        .flat_map(|(set, bindings)| {
+            bindings.iter().map(move |&(binding, _, count, _)| ((set, binding), count))
+        })
+        .collect()
+}
