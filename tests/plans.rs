@@ -207,6 +207,26 @@ fn a_plan_has_no_more_than_the_scene_needs() {
 }
 
 #[test]
+fn auto_paths_follow_how_many_lights_reach_a_point() {
+    let mut scene = scenes::no_lights();
+    let sun = scenes::lights_only().lights[0].clone();
+    let mut path = |suns, on_chip, keep_gbuffer| {
+        scene.lights = vec![sun.clone(); suns];
+        let options = Options { path: Path::Auto, keep_gbuffer, ..Options::default() };
+        let limits = Limits { gbuffer_on_chip: on_chip, ..Limits::default() };
+        let plan = Plan::new(Needs::of(&scene), options, &limits).unwrap();
+        assert!(
+            plan.to_string().contains(&format!("path: {}, since", plan.path)),
+            "the plan does not say why"
+        );
+        plan.path
+    };
+    assert_eq!([2, 3].map(|n| path(n, true, false)), [Path::Forward, Path::Deferred]);
+    assert_eq!([20, 21].map(|n| path(n, false, false)), [Path::Forward, Path::Deferred]);
+    assert_eq!(path(1, true, true), Path::Deferred, "forward has no G-buffer to keep");
+}
+
+#[test]
 fn same_needs_options_and_limits_give_the_same_plan() {
     for scene in scenes::built() {
         for &strategy in Strategy::ALL {

@@ -109,10 +109,6 @@ pub(super) fn pipelines(needs: &Needs, way: LightWay) -> impl Iterator<Item = Pi
     at_once.then_some(Pipeline::Lighting).into_iter().chain(volumes)
 }
 
-/// From so many lights on that have a place and an end, pixels save more by not looking at all of them than lists cost:
-/// at one light both ways cost the same, and at 16 lists win (README, "Speed"). Where between was not measured.
-const LEAST_FOR_CLUSTERS: usize = 2;
-
 /// What [`Options::lights`] comes to.
 pub(super) struct Resolved {
     /// Never [`LightWay::Auto`].
@@ -131,9 +127,11 @@ pub(super) fn resolve(needs: &Needs, options: &Options, path: Path) -> crate::Re
         _ if needs.lit.is_none() => (LightWay::Fullscreen, None),
         // Lights are added one by one, whatever they could be looked up in.
         LightWay::Clusters | LightWay::Auto if path == Path::ForwardMultipass => (LightWay::Fullscreen, None),
-        LightWay::Auto if ended >= LEAST_FOR_CLUSTERS => {
-            let why = format!("lights: clusters, since {ended} lights have a place and an end");
-            (LightWay::Clusters, Some(why))
+        // From the first light on: on GPUs lists are ahead of all other ways, whatever the number of lights. On llvmpipe
+        // volumes are, up to about 16 small lights, but fall behind where lights overlap (README, "Speed").
+        LightWay::Auto if ended > 0 => {
+            let lights = if ended == 1 { "1 light has".to_owned() } else { format!("{ended} lights have") };
+            (LightWay::Clusters, Some(format!("lights: clusters, since {lights} a place and an end")))
         }
         LightWay::Auto => (LightWay::Fullscreen, None),
         LightWay::Fullscreen => (LightWay::Fullscreen, None),

@@ -71,17 +71,20 @@ pub struct Limits {
     pub max_image_size: u32,
     /// For depth where a stencil is needed.
     pub depth_stencil: Format,
+    /// Whether a G-buffer that is neither loaded nor stored stays in tile memory or a cache.
+    pub gbuffer_on_chip: bool,
 }
 
 impl Default for Limits {
     /// What every Vulkan 1.1 device allows (Vulkan specification, table "Required Limits"), and the format for depth and
-    /// stencil that nearly every one has: of two, each has one.
+    /// stencil that nearly every one has: of two, each has one. The G-buffer stays on the chip, as on tilers.
     fn default() -> Self {
         Self {
             max_color_attachments: 4,
             max_input_attachments: 4,
             max_image_size: 4096,
             depth_stencil: Format::D32FloatS8,
+            gbuffer_on_chip: true,
         }
     }
 }
@@ -298,7 +301,7 @@ impl Plan {
         check_size(options.size, limits)?;
         check_dither(&options)?;
         around::check(&needs)?;
-        let (path, path_why) = path::resolve(&needs, &options)?;
+        let (path, path_why) = path::resolve(&needs, &options, limits)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
         let frame = stage::Frame::new(&needs, &options, path, light_way, limits.depth_stencil);
         let places = derive::place(&frame, &options);

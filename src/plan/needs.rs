@@ -198,6 +198,9 @@ pub struct Needs {
     pub back_colors: usize,
     /// Lights that are not dark and have a place, but no end: each reaches every pixel.
     pub endless_lights: usize,
+    /// How many of the listed lights reach a point of the scene on average: the sum of the shares of its ground that the boxes
+    /// around them cover.
+    pub lights_at_a_point: f32,
     /// Point, spot and box lights that shine through a globe map.
     pub globe_maps: usize,
     /// How many lights that have a place may be lit: dark ones too, if one of their kind is not dark, since a host may
@@ -286,6 +289,7 @@ impl Needs {
                 .filter(|l| l.has_back() && !matches!(l.kind, LightKind::Hemisphere { .. }))
                 .count(),
             endless_lights: lights().filter(|l| is_local(l) && Reach::of(l) == Reach::Everywhere).count(),
+            lights_at_a_point: lights_at_a_point(scene),
             globe_maps: lights().filter(|l| l.shown_globe_map().is_some()).count(),
             most_local_lights: most_local_lights(scene),
             environment: environment.map(EnvironmentNeed::new),
@@ -311,6 +315,13 @@ impl Needs {
             kinds,
         }
     }
+}
+
+fn lights_at_a_point(scene: &Scene) -> f32 {
+    let listed =
+        scene.lights.iter().filter(|l| !l.is_dark() && !matches!(l.kind, LightKind::Hemisphere { .. }));
+    let ground = scene.bounds_world();
+    ground.map_or(0.0, |ground| listed.fold(0.0, |sum, light| sum + Reach::of(light).share_of(&ground)))
 }
 
 /// Whether the light has a place.

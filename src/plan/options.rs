@@ -73,7 +73,9 @@ named_enum! {
         Forward = "forward",
         /// The surface without lights, then again for each light that reaches it, added up.
         ForwardMultipass = "forward-multipass",
-        /// Whichever is cheaper for the scene; refused until there is a rule.
+        /// Forward where few lights reach a point ([`Needs::lights_at_a_point`](super::Needs::lights_at_a_point)), else
+        /// deferred. How many are few depends on whether a G-buffer stays on the chip
+        /// ([`Limits::gbuffer_on_chip`](super::Limits::gbuffer_on_chip)); `tools/bench compare` measures it.
         Auto = "auto",
     }
 }
