@@ -223,11 +223,7 @@ fn environments_that_are_too_bright_are_refused() {
     rgba8(32, 16, |_| 200).to_linear().write(&folder.path().join("sky.exr")).unwrap();
     let plan = ["plan", GRID, "--environment", "sky.exr", "--environment-intensity"];
     let message = expect(folder.path(), 1, &[&plan[..], &["1e38"]].concat());
-    assert!(
-        message.contains("at most 1e12 cd/m²; lower --environment-intensity")
-            || message.contains("at most 1e12 cd/m² are supported; lower"),
-        "{message}"
-    );
+    assert!(message.contains("at most 1e12 cd/m² are supported; lower --environment-intensity"), "{message}");
     expect(folder.path(), 0, &[&plan[..], &["1e11"]].concat());
 }
 

@@ -58,7 +58,7 @@ pub struct LightmapArgs {
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=1 << 20), allow_negative_numbers = true)]
     pub samples: u32,
     /// How often light is reflected before it arrives; 0 is direct light only
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(..=1000), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=1000), allow_negative_numbers = true)]
     pub bounces: u32,
     /// Light from every direction alike, in cd/m² [default: none]
     #[arg(long, value_name = "RADIANCE", value_parser = args::radiance, allow_negative_numbers = true)]

@@ -194,12 +194,9 @@ fn negative_numbers_are_values() {
         parse::<RenderArgs>("s.glb -o o.png --camera -1").unwrap().scene.camera.as_deref(),
         Some("-1")
     );
-    for (flag, range) in [("size", "16..=4096"), ("samples", "1..=1048576"), ("bounces", "..=1000")] {
+    for (flag, range) in [("size", "16..=4096"), ("samples", "1..=1048576"), ("bounces", "0..=1000")] {
         let message = usage_error::<LightmapArgs>(&format!("s.glb -o o.glb --{flag} -1"));
-        assert!(
-            message.contains(&format!("-1 is not in {range}")) || message.contains("-1 is not in 0"),
-            "{message}"
-        );
+        assert!(message.contains(&format!("-1 is not in {range}")), "{message}");
     }
 }
 
