@@ -47,7 +47,7 @@ pub struct RenderArgs {
 #[command(next_help_heading = "Run")]
 pub struct RunArgs {
     /// How many times the frame is rendered; more give steadier times
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     pub frames: u32,
     /// Write what was created and measured as JSON: bytes per pixel, attachments, times [default: none]
     #[arg(long, value_name = "R.json")]
@@ -71,11 +71,12 @@ impl RenderArgs {
     }
 }
 
-/// Renders, writes the picture, then the report, and tells what a frame consists of.
+/// Renders, writes picture and report, and tells what a frame consists of.
 pub fn run(args: &RenderArgs) -> Result<()> {
     let report = run_with(args, || {
         let mut scene = scene::load(&args.scene)?;
-        scene::prefilter(&mut scene, args.plan.environment_format);
+        scene::tell_idle_flags(&scene, &args.plan);
+        scene::prefilter(&mut scene, args.options().environment_format);
         render(args, &scene)
     })?;
     report.device.map_or(Ok(()), |device| print::value(&device.frame, false))
@@ -93,13 +94,15 @@ pub(super) fn run_with<R: Serialize>(
         output::check(path, &[&args.scene.scene, picture_path])?;
     }
     let (picture, report) = render()?;
-    picture.write(picture_path)?;
+    // The picture is the last to get its name: a run that fails leaves the old one.
+    let picture = picture.stage(picture_path)?;
     if let Some(path) = report_path {
         let mut json =
             serde_json::to_string_pretty(&report).map_err(|e| Error::io(path, "write", e.into()))?;
         json.push('\n');
         file::write_whole(path, json.as_bytes())?;
     }
+    picture.commit()?;
     Ok(report)
 }
 
