@@ -1,9 +1,9 @@
 //! From the arguments to a scene and a camera.
 
-use ontile::Result;
 use ontile::environment::{Cache, DEFAULT_FACE_SIZE, TexelFormat};
 use ontile::glam::Vec3;
 use ontile::scene::{Background, Camera, Environment, Fog, Scene};
+use ontile::{Error, Result};
 
 use super::args::SceneArgs;
 use super::print;
@@ -67,6 +67,10 @@ fn read_environment(scene: &mut Scene, args: &SceneArgs) -> Result<()> {
         Some(environment) => {
             environment.rotation_deg = args.environment_rotation.unwrap_or(environment.rotation_deg);
             environment.intensity = args.environment_intensity.unwrap_or(environment.intensity);
+            if let Some(problem) = environment.too_bright() {
+                let what = format!("{}: its intensity {problem}", environment.name);
+                return Err(Error::unsupported(what, "lower --environment-intensity"));
+            }
         }
         None if args.environment_rotation.is_some() || args.environment_intensity.is_some() => {
             print::warning(
