@@ -265,6 +265,7 @@ mod tests {
         let problem = |bytes: &[u8]| Prefiltered::from_ktx2(bytes).unwrap_err();
         assert!(problem(&with_value(KEY_VERSION, &7_u32.to_le_bytes())).contains("version 7"));
         assert!(problem(&with_value(KEY_SCALE, &f32::NAN.to_le_bytes())).contains(KEY_SCALE));
+        assert!(problem(&with_value(KEY_SCALE, &1e13_f32.to_le_bytes())).contains("above 1e12 cd/m²"));
         assert!(problem(&with_value(KEY_IRRADIANCE, &f32::INFINITY.to_le_bytes())).contains("not finite"));
         assert!(problem(&with_value(KEY_CHECKSUM, &[0; 16])).contains("checksum"));
         let mut negative = good.clone();

@@ -124,7 +124,7 @@ impl Panorama {
         let index = texels.iter().position(|t| !fine(t))?;
         let at = format!("texel {}, {}", index as u32 % width, index as u32 / width);
         let rule = format!("radiance is finite, not negative, and at most {MAX_RADIANCE_NT:e} cd/m²");
-        let problem = format!("is {}, but {rule}", texels[index]);
+        let problem = format!("is {:?}, but {rule}", texels[index].to_array());
         Some((at, problem, "repair the picture, e.g. clamp its channels"))
     }
 
