@@ -210,9 +210,9 @@ fn a_plan_has_no_more_than_the_scene_needs() {
 fn auto_paths_follow_how_many_lights_reach_a_point() {
     let mut scene = scenes::no_lights();
     let sun = scenes::lights_only().lights[0].clone();
-    let mut path = |suns, on_chip, keep_gbuffer| {
+    let mut path_by = |strategy, suns, on_chip, keep_gbuffer| {
         scene.lights = vec![sun.clone(); suns];
-        let options = Options { path: Path::Auto, keep_gbuffer, ..Options::default() };
+        let options = Options { path: Path::Auto, keep_gbuffer, strategy, ..Options::default() };
         let limits = Limits { gbuffer_on_chip: on_chip, ..Limits::default() };
         let plan = Plan::new(Needs::of(&scene), options, &limits).unwrap();
         assert!(
@@ -221,6 +221,9 @@ fn auto_paths_follow_how_many_lights_reach_a_point() {
         );
         plan.path
     };
+    let separate = [20, 21].map(|n| path_by(Strategy::Separate, n, true, false));
+    assert_eq!(separate, [Path::Forward, Path::Deferred], "separate passes store a G-buffer on every device");
+    let mut path = |suns, on_chip, keep| path_by(Strategy::Subpasses, suns, on_chip, keep);
     assert_eq!([2, 3].map(|n| path(n, true, false)), [Path::Forward, Path::Deferred]);
     assert_eq!([20, 21].map(|n| path(n, false, false)), [Path::Forward, Path::Deferred]);
     assert_eq!(path(1, true, true), Path::Deferred, "forward has no G-buffer to keep");

@@ -385,3 +385,22 @@ fn specialised_modules_are_valid() {
         assert!(!has_switches || least < most, "{}: {least} words whatever is switched off", module.name());
     }
 }
+
+/// Passes that repeat each other's geometry test for equal depth, and drivers compile each pipeline by itself.
+#[test]
+fn repeated_positions_are_invariant() {
+    const SETS: u32 = 24;
+    for module in [Module::GeometryVertex, Module::LightVolume] {
+        let whole = Reflection::new(module.spirv().unwrap());
+        for set in 0..SETS {
+            let pruned = prune("whole", module.spirv().unwrap(), &constants(&whole, set), None).unwrap();
+            assert!(Reflection::new(&pruned.spirv).has_invariant_position(), "{}, set {set}", module.name());
+        }
+        let mut varying = whole;
+        varying
+            .module
+            .annotations
+            .retain(|i| !i.operands.contains(&Operand::Decoration(Decoration::Invariant)));
+        assert!(!varying.has_invariant_position(), "{}: not seen", module.name());
+    }
+}

@@ -216,3 +216,19 @@ fn frames_in_turn_have_lists_of_their_own() {
         }
     });
 }
+
+/// Marks that a light left in the stencil would count on: of 8 bits, after so many lights there is none.
+#[test]
+fn marks_are_gone_before_the_next_light() {
+    const MARKS: usize = 256;
+    on_device(None, |gpu| {
+        let mut scene = scenes::one_lit_triangle();
+        let kind = LightKind::Point { intensity_cd: 0.01 };
+        let position_world = scene.instances[0].world_from_object.transform_point3(Vec3::new(0.0, 0.0, 0.3));
+        scene.lights = vec![Light { position_world, range_m: Some(0.6), ..Light::new(kind) }; MARKS];
+        let picture =
+            |lights| floats(gpu, &scene, Options { layout: Layout::Exact, lights, ..Options::default() });
+        let most = most_relative(&picture(LightWay::Fullscreen), &picture(LightWay::Stencil));
+        assert!(most < 0.5 / MARKS as f32, "{most:.2e} apart: more than half a light");
+    });
+}

@@ -87,10 +87,12 @@ pub struct PlanArgs {
     /// The G-buffer's layout
     #[arg(long, value_name = "NAME", default_value_t = Layout::Metallic128, value_parser = named(Layout::ALL, Layout::name))]
     pub layout: Layout,
-    /// When surfaces are lit: after all are known, or as each is drawn
+    /// When surfaces are lit: after all are known, or as each is drawn; forward-multipass adds up the light of surfaces that
+    /// coincide
     #[arg(long, default_value_t = Path::Deferred, value_parser = named(Path::ALL, Path::name))]
     pub path: Path,
-    /// Draw the depth of all surfaces first, so that no pixel is shaded twice [default: off]
+    /// Draw the depth of all surfaces first, so that no pixel is shaded twice; of surfaces that coincide the last drawn is seen,
+    /// not the first [default: off]
     #[arg(long)]
     pub depth_prepass: bool,
     /// On the path forward-multipass, draw all objects for each light, not only those that it reaches [default: draw

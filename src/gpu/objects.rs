@@ -256,3 +256,42 @@ fn states(plan: &Plan, batches: &[Batch]) -> Vec<[usize; 4]> {
     };
     batches.iter().map(state).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{Limits, Needs, Options};
+    use crate::scene::{AlphaMode, Camera, Material, Mesh, Projection};
+    use glam::{Vec3, vec3};
+
+    /// What is masked comes last, however near; in front of it the nearest batch first, and in each the nearest object.
+    #[test]
+    fn opaque_batches_come_first_and_near_objects_before_far_ones() {
+        let mesh = |material| Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::Z; 3],
+            indices: vec![0, 1, 2],
+            material,
+            ..Mesh::default()
+        };
+        let alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
+        let materials = vec![Material { alpha_mode, ..Material::default() }, Material::default()];
+        let at = |mesh, z: f32| Instance::new(mesh, Mat4::from_translation(vec3(0.0, 0.0, -z)));
+        let projection = Projection::Perspective { yfov_rad: 1.0, znear_m: 0.1, zfar_m: None };
+        let scene = Scene {
+            meshes: vec![mesh(0), mesh(1), mesh(1)],
+            materials,
+            instances: vec![at(0, 1.0), at(1, 9.0), at(1, 8.0), at(2, 4.0), at(2, 3.0), at(2, 5.0)],
+            cameras: vec![Camera { name: String::new(), world_from_view: Mat4::IDENTITY, projection }],
+            ..Scene::default()
+        };
+        let plan = Plan::new(Needs::of(&scene), Options::default(), &Limits::default()).unwrap();
+        let mut objects = Objects::new(&scene, &plan);
+        let sight = Sight::new(&projection.clip_from_view(1.0), Vec3::ZERO);
+        let mut out = vec![convert::instance(&Mat4::IDENTITY); objects.count()];
+        assert_eq!(objects.write_visible(&sight, true, &mut out, &mut []), 6);
+        let drawn = objects.visible_batches().flat_map(|batch| batch.visible.clone());
+        let distances: Vec<_> = drawn.map(|i| -out[i as usize].world_from_object_rows[2][3]).collect();
+        assert_eq!(distances, [3.0, 4.0, 5.0, 8.0, 9.0, 1.0]);
+    }
+}

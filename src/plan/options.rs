@@ -71,7 +71,8 @@ named_enum! {
         Deferred = "deferred",
         /// As each surface is drawn, all lights at once.
         Forward = "forward",
-        /// The surface without lights, then again for each light that reaches it, added up.
+        /// The surface without lights, then again for each light that reaches it, added up. Surfaces that coincide (the same
+        /// depth, to the bit) are all lit, and their light is added up: such scenes come out too bright.
         ForwardMultipass = "forward-multipass",
         /// Forward where few lights reach a point ([`Needs::lights_at_a_point`](super::Needs::lights_at_a_point)), else
         /// deferred. How many are few depends on whether a G-buffer stays on the chip
@@ -236,7 +237,7 @@ pub struct Options {
     /// Add half a step of ordered noise before rounding the output to 8 bits; no choice with a float output.
     pub dither: bool,
     /// Draw the depth of all surfaces first, so that each pixel is shaded once. Pays where shading a pixel costs more than
-    /// drawing its triangles twice.
+    /// drawing its triangles twice. Of surfaces that coincide the last drawn is seen, without it the first.
     pub depth_prepass: bool,
     /// On the path forward-multipass: draw for each light only the objects that its reach touches, its illumination set.
     pub illumination_sets: bool,

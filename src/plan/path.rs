@@ -1,6 +1,6 @@
 //! When surfaces are lit: what was asked for, and what comes of it for a scene.
 
-use super::{Limits, Needs, Options, Path};
+use super::{Limits, Needs, Options, Path, Strategy};
 use crate::{Error, Result};
 
 /// [`Path::Auto`] is forward where a point of the scene is reached by at most so many lights on average. Where the G-buffer
@@ -24,7 +24,7 @@ pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Resu
             (Path::Deferred, Some("path: deferred, since its G-buffer is to be kept".into()))
         }
         Path::Auto => {
-            let (path, why) = choose(needs.lights_at_a_point, limits.gbuffer_on_chip);
+            let (path, why) = choose(needs.lights_at_a_point, options.strategy, limits);
             (path, Some(why))
         }
         Path::ForwardMultipass if needs.lit.is_some() && no_lights => {
@@ -50,14 +50,22 @@ pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Resu
 }
 
 /// The path where so many lights reach a point, and why.
-fn choose(lights: f32, on_chip: bool) -> (Path, String) {
+fn choose(lights: f32, strategy: Strategy, limits: &Limits) -> (Path, String) {
+    // What is printed is what was compared.
+    let lights = (lights * 10.0).round() / 10.0;
+    // Between separate passes it is stored and loaded on every device.
+    let on_chip = limits.gbuffer_on_chip && strategy == Strategy::Subpasses;
     let most = if on_chip { MOST_FOR_FORWARD_ON_CHIP } else { MOST_FOR_FORWARD_IN_MEMORY };
     let (path, relation) =
         if lights <= most { (Path::Forward, "at most") } else { (Path::Deferred, "more than") };
-    let place = if on_chip { "stays on the chip" } else { "goes to memory and back" };
+    let place = match (on_chip, strategy) {
+        (true, _) => "stays on the chip on this device",
+        (_, Strategy::Subpasses) => "goes to memory and back on this device",
+        (_, Strategy::Separate) => "goes to memory and back between separate passes",
+    };
     let why = format!(
         "path: {path}, since {lights:.1} lights reach a point of the scene on average, {relation} {most:.0}, and a G-buffer \
-         {place} on this device"
+         {place}"
     );
     (path, why)
 }

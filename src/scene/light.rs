@@ -72,7 +72,8 @@ pub enum LightKind {
     /// Diffuse light from all around: `color` from where the light comes from, `back_color` from the other half (Koonce
     /// 2007, 19.4.1). A surface whose normal is at a cosine c from the way to the light gets
     /// `mix(back_color, color, 0.5 + 0.5 c) * illuminance_lx`, which is what two half spheres of uniform radiance give.
-    /// It has no highlights and casts no shadows.
+    /// It has no highlights and casts no shadows, and occlusion textures do not dim it: as direct light it is added where
+    /// occlusion is no longer known. Ambient light and environments are dimmed.
     Hemisphere {
         /// On a surface that faces the light, in lux.
         illuminance_lx: f32,

@@ -1,7 +1,7 @@
 //! Names, offsets and numbers of a SPIR-V module, compared with Rust's.
 
 use rspirv::dr::{Instruction, Module, Operand};
-use rspirv::spirv::{Capability, Decoration, Op, StorageClass};
+use rspirv::spirv::{BuiltIn, Capability, Decoration, Op, StorageClass};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How a value lies in memory: (count, stride in bytes) from the outermost array to the components.
@@ -114,6 +114,20 @@ impl Reflection {
             ] if *of == id && *at == member && *d == wanted => Some(*number),
             _ => None,
         })
+    }
+
+    /// Whether another module that computes the position alike gets the same bits.
+    pub fn has_invariant_position(&self) -> bool {
+        let of = |i: &Instruction| {
+            let decoration = i.operands.iter().position(|o| matches!(o, Operand::Decoration(_)))?;
+            let (target, decoration) = i.operands.split_at(decoration);
+            Some((target.to_vec(), decoration.to_vec()))
+        };
+        let all: Vec<_> = self.module.annotations.iter().filter_map(of).collect();
+        let position = [Operand::Decoration(Decoration::BuiltIn), Operand::BuiltIn(BuiltIn::Position)];
+        let invariant = [Operand::Decoration(Decoration::Invariant)];
+        let target = all.iter().find(|(_, decoration)| *decoration == position).map(|(target, _)| target);
+        target.is_some_and(|target| all.contains(&(target.clone(), invariant.to_vec())))
     }
 
     fn member_names(&self, id: u32) -> Vec<&str> {

@@ -3,7 +3,7 @@
 //! | `extras.ontile` of | | value | without it |
 //! |---|---|---|---|
 //! | `scenes[i]` | `environment` | `{"file": "sky.hdr", "rotation": degrees, "intensity": number}`: a file in the folder of the glTF file or below ([`Environment::load`]), turned about +Y, brighter or darker | none; rotation 0, intensity 1 |
-//! | `nodes[i]` | `probe` | `{"size": [x, y, z], "falloff": number, "file": "room.hdr", "rotation": degrees, "intensity": number}`: metres along the node's axes, its scale ignored ([`Probe`]); the file is what is seen from the node, along those axes | none; falloff 0, rotation 0, intensity 1 |
+//! | `nodes[i]` | `probe` | `{"size": [x, y, z], "falloff": number, "file": "room.hdr", "rotation": degrees, "intensity": number}`: metres along the node's axes, its scale ignored ([`Probe`]); the file is what is seen from the node, along those axes. Every pixel looks at every probe: have few | none; falloff 0, rotation 0, intensity 1 |
 
 use glam::{DMat3, DQuat, Vec3};
 

@@ -7,7 +7,7 @@
 //! | `baked` | all | `true` or `false` ([`Light::baked`]) | `false` |
 //! | `priority` | all | number ([`Light::priority`]) | 0 |
 //! | `back_color` | directional | `[r, g, b]`, linear: a second light from behind ([`Light::back_color`]) | none |
-//! | `ground_color` | directional | `[r, g, b]`, linear: makes it a hemisphere ([`LightKind::Hemisphere`]) | none |
+//! | `ground_color` | directional | `[r, g, b]`, linear: makes it a hemisphere, which occlusion textures do not dim ([`LightKind::Hemisphere`]) | none |
 //! | `box` | directional | `{"size": [x, y, z], "falloff": number}`, metres along the node's axes, its scale ignored: makes it a box around the node ([`LightKind::Box`]) | none; falloff 0 |
 //! | `globe_map` | spot, box | `{"texture": index, "rotation": degrees}` ([`GlobeMap`]) | none; rotation 0 |
 //! | `globe_map` | point | `{"textures": [+X, -X, +Y, -Y, +Z, -Z], "rotation": degrees}` | none; rotation 0 |
