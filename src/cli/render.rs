@@ -128,6 +128,7 @@ fn render(args: &RenderArgs, scene: &Scene) -> Result<(Picture, Report)> {
 
 fn draw(args: &RenderArgs, scene: &Scene, camera: &Camera, device: &Device) -> Result<(Picture, Report)> {
     let plan = Plan::new(Needs::of(scene), args.options(), &device.caps().limits())?;
+    plan.warnings.iter().for_each(|warning| print::warning(warning));
     let cache = PipelineCache::load(device)?;
     // On a tiler the stages of one pass interleave, so times between them would be of nothing.
     let interleaved = device.caps().lazily_allocated_memory && plan.passes.len() == 1;

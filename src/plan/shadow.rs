@@ -127,8 +127,7 @@ impl ShadowNeeds {
                 light,
                 name: scene.lights[light].name.clone(),
                 shape,
-                guard_texels: scene.lights[light].shadow.map_or(0.0, spread_texels).ceil() as u32
-                    + ShadowMap::FILTER_MARGIN,
+                guard_texels: scene.lights[light].shadow.map_or(0, guard_texels),
                 dynamic: scene.lights[light].dynamic,
             })
             .collect();
@@ -189,7 +188,10 @@ pub struct ShadowMap {
 }
 
 /// Smaller tiles are not worth their draw calls.
-const LEAST_TEXELS: u32 = 128;
+pub(super) const LEAST_TEXELS: u32 = 128;
+
+/// A map of this side is a GiB of 32 bits: nobody means more.
+pub(super) const MOST_TEXELS: u32 = 16384;
 
 /// Without a choice of the user's, tiles have at most this side: larger ones cost more than they show.
 const MOST_DEFAULT_TEXELS: u32 = 2048;
@@ -198,7 +200,7 @@ impl ShadowMap {
     /// Filters read this much beyond their radius: the texel that holds a sample's place, and one for rounding.
     pub const FILTER_MARGIN: u32 = 2;
 
-    /// Gives each light its tiles; `None` if no light casts shadows. Second are notes on lights that got less than they
+    /// Gives each light its tiles; `None` if no light casts shadows. Second are warnings of lights that got less than they
     /// asked for.
     ///
     /// A map as large as allowed that is still too small is shared out by importance: sides are halved, those of the least
@@ -209,8 +211,7 @@ impl ShadowMap {
         options: &Options,
         limits: &Limits,
     ) -> (Option<Self>, Vec<String>) {
-        let most =
-            floor_power_of_two(options.shadows.most_texels.min(limits.max_image_size)).max(LEAST_TEXELS);
+        let most = floor_power_of_two(options.shadows.most_texels.min(limits.max_image_size));
         let wanted: Vec<Ask> = needs.lights.iter().map(|need| Ask::new(need, options, most)).collect();
         let mut granted = wanted.clone();
         let area = |asks: &[Ask]| asks.iter().map(Ask::area).sum::<u64>();
@@ -349,6 +350,19 @@ fn floor_power_of_two(n: u32) -> u32 {
 fn z_curve(n: u64) -> [u32; 2] {
     let gather = |n: u64| (0..32).fold(0, |all, bit| all | ((n >> (2 * bit) & 1) as u32) << bit);
     [gather(n), gather(n >> 1)]
+}
+
+/// The filter's radius, and how far receivers are moved: by the distance to the radius' corner, and the bias. They leave a view
+/// by no more: at most sin(theta) * (sin(theta) + cos(theta)) of that, with theta up to 45 degrees at the edge of a cube's face.
+fn guard_texels(shadow: Shadow) -> u32 {
+    let spread = spread_texels(shadow);
+    let reach = spread + spread * std::f32::consts::SQRT_2 + bias_texels(shadow);
+    reach.ceil() as u32 + ShadowMap::FILTER_MARGIN
+}
+
+/// Texels by which a light's shadow is moved, beside its filter's.
+pub fn bias_texels(shadow: Shadow) -> f32 {
+    shadow.bias_texels.clamp(0.0, Shadow::MOST_BIAS_TEXELS)
 }
 
 /// Texels over which a light's filter reaches.
