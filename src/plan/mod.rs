@@ -311,7 +311,7 @@ impl Plan {
         let passes = derive::passes(&frame, &places, &options);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
         check_counts(&passes, &options, limits)?;
-        let (shadow_map, warnings) = ShadowMap::new(&needs.shadows, &options, limits);
+        let (shadow_map, shadows_told) = ShadowMap::new(&needs.shadows, &options, limits);
         let around = around::images(&needs, &options);
         let pipelines = pipelines(&frame, &needs, light_way);
         let folded = frame.folded;
@@ -319,6 +319,7 @@ impl Plan {
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
+        notes.extend(shadows_told.notes);
         Ok(Self {
             options,
             needs,
@@ -332,7 +333,7 @@ impl Plan {
             clusters,
             shadow_map,
             notes,
-            warnings,
+            warnings: shadows_told.warnings,
         })
     }
 

@@ -200,8 +200,7 @@ impl ShadowMap {
     /// Filters read this much beyond their radius: the texel that holds a sample's place, and one for rounding.
     pub const FILTER_MARGIN: u32 = 2;
 
-    /// Gives each light its tiles; `None` if no light casts shadows. Second are warnings of lights that got less than they
-    /// asked for.
+    /// Gives each light its tiles; `None` if no light casts shadows. Second is what that leaves out.
     ///
     /// A map as large as allowed that is still too small is shared out by importance: sides are halved, those of the least
     /// important lights first, each light's once before any light's twice; when all are as small as can be, the least
@@ -210,7 +209,7 @@ impl ShadowMap {
         needs: &ShadowNeeds,
         options: &Options,
         limits: &Limits,
-    ) -> (Option<Self>, Vec<String>) {
+    ) -> (Option<Self>, ShadowsTold) {
         let most = floor_power_of_two(options.shadows.most_texels.min(limits.max_image_size));
         let wanted: Vec<Ask> = needs.lights.iter().map(|need| Ask::new(need, options, most)).collect();
         let mut granted = wanted.clone();
@@ -224,23 +223,23 @@ impl ShadowMap {
                 None => granted.iter_mut().rfind(|ask| ask.views > 0).expect("the area is not 0").views = 0,
             }
         }
-        let notes =
-            needs.lights.iter().zip(wanted.iter().zip(&granted)).filter_map(|(need, (wanted, granted))| {
-                let map = format!("the shadow map of {most}x{most} texels is full");
-                match granted.views {
-                    0 => Some(format!("{map}: light '{}' casts no shadow", need.name)),
-                    _ if granted.texels < wanted.texels => Some(format!(
-                        "{map}: light '{}' has tiles of {} texels instead of {}",
-                        need.name, granted.texels, wanted.texels
-                    )),
-                    _ => None,
-                }
-            });
-        let notes = notes.collect();
-        if granted.iter().all(|ask| ask.views == 0) {
-            return (None, notes);
+        let (mut warnings, mut notes) = (Vec::new(), Vec::new());
+        for (need, (wanted, granted)) in needs.lights.iter().zip(wanted.iter().zip(&granted)) {
+            let map = format!("the shadow map of {most}x{most} texels is full");
+            if granted.views == 0 {
+                warnings.push(format!("{map}: light '{}' casts no shadow", need.name));
+            } else if granted.texels < wanted.texels {
+                notes.push(format!(
+                    "{map}: light '{}' has tiles of {} texels instead of {}",
+                    need.name, granted.texels, wanted.texels
+                ));
+            }
         }
-        (Some(Self::place(needs, options, &granted)), notes)
+        let told = ShadowsTold { warnings, notes };
+        if granted.iter().all(|ask| ask.views == 0) {
+            return (None, told);
+        }
+        (Some(Self::place(needs, options, &granted)), told)
     }
 
     /// Tiles of powers of two in order of size along a Z curve leave no gap between them.
@@ -309,6 +308,14 @@ impl ShadowMap {
     pub fn tile_bytes(&self, tile: usize) -> u64 {
         u64::from(self.tiles[tile].texels).pow(2) * u64::from(self.format.bytes())
     }
+}
+
+/// What a reader should know of a map that is too small.
+pub(super) struct ShadowsTold {
+    /// Lights that cast no shadow.
+    pub(super) warnings: Vec<String>,
+    /// Lights that got less than they asked for.
+    pub(super) notes: Vec<String>,
 }
 
 /// What a light asks for.

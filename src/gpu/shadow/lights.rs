@@ -12,7 +12,7 @@ use crate::visible::{Cascades, MOST_CASCADES, ShadowShape, ShadowView};
 /// How far receivers are moved towards the light, texels: less than what is seen, more than what rounding does to places.
 const LIFT_TEXELS: f32 = 0.05;
 
-/// How far casters are pushed beyond the filter's reach, texels: a texel holds the depth at its centre, and places half a
+/// How far casters are pushed beyond the filter's radius, texels: a texel holds the depth at its centre, and places half a
 /// texel away in x and in y fall into it too.
 const SLOPE_TEXELS: f32 = 1.0;
 
@@ -46,7 +46,7 @@ impl LightViews {
             ShadowFilter::Jittered => (wanted, wanted),
         };
         let offset_texels = reach + bias;
-        let slope_texels = reach + SLOPE_TEXELS;
+        let slope_texels = spread_texels + SLOPE_TEXELS;
         let stable = options.stable;
         let (light, place) = (light.clone(), place.clone());
         Self { light, place, spread_texels, offset_texels, slope_texels, stable }
