@@ -16,7 +16,46 @@ use crate::{Error, Result};
 /// # Errors
 /// [`Error::Io`]; `path` is then as it was and no temporary file is left.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    try_write_whole(path, bytes).map_err(|source| Error::io(path, "write", source))
+    stage(path, bytes)?.commit()
+}
+
+/// The first part of [`write_whole`]: the bytes are on the disk, but `path` is as it was until [`Staged::commit`].
+///
+/// # Errors
+/// As [`write_whole`].
+pub fn stage(path: &Path, bytes: &[u8]) -> Result<Staged> {
+    let written = try_stage(path, bytes).map_err(|source| Error::io(path, "write", source))?;
+    Ok(Staged { path: path.to_owned(), written })
+}
+
+/// A file that lacks its name only. Dropped, it is gone.
+#[must_use = "without `commit` nothing is written"]
+pub struct Staged {
+    path: PathBuf,
+    written: Written,
+}
+
+enum Written {
+    /// To be renamed to the path beside it.
+    Temporary(Temporary, PathBuf),
+    /// Nothing yet: what is there is no file that could be replaced.
+    Device(Vec<u8>),
+}
+
+impl Staged {
+    /// Gives it its name.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; the path is then as it was.
+    pub fn commit(self) -> Result<()> {
+        let done = match self.written {
+            Written::Temporary(mut temporary, target) => {
+                fs::rename(&temporary.path, &target).map(|()| temporary.renamed = true)
+            }
+            Written::Device(bytes) => fs::write(&self.path, bytes),
+        };
+        done.map_err(|source| Error::io(&self.path, "write", source))
+    }
 }
 
 /// Where this crate keeps what it can make again: `$XDG_CACHE_HOME/ontile`, or `~/.cache/ontile`; `None` without a home.
@@ -26,23 +65,21 @@ pub fn cache_folder() -> Option<PathBuf> {
     Some(caches.join("ontile"))
 }
 
-fn try_write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+fn try_stage(path: &Path, bytes: &[u8]) -> io::Result<Written> {
     let target = match fs::metadata(path) {
         Ok(found) if found.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
-        Ok(found) if !found.is_file() => return fs::write(path, bytes),
+        Ok(found) if !found.is_file() => return Ok(Written::Device(bytes.to_vec())),
         Ok(_) => fs::canonicalize(path)?,
         Err(e) if e.kind() == io::ErrorKind::NotFound => match fs::read_link(path) {
             // A link to nothing: links in a circle are another kind of error, so this ends.
-            Ok(target) => return try_write_whole(&path.with_file_name(target), bytes),
+            Ok(target) => return try_stage(&path.with_file_name(target), bytes),
             Err(_) => path.to_owned(),
         },
         Err(e) => return Err(e),
     };
     let mut temporary = Temporary::create_beside(&target)?;
     temporary.file.write_all(bytes)?;
-    fs::rename(&temporary.path, &target)?;
-    temporary.renamed = true;
-    Ok(())
+    Ok(Written::Temporary(temporary, target))
 }
 
 /// A file that goes away with its owner unless it got its final name.

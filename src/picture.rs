@@ -112,6 +112,14 @@ impl Picture {
     /// [`Error::Unsupported`] if the extension and the pixels do not go together or the pixels do not fill the
     /// picture; [`Error::Io`] if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
+        self.stage(path)?.commit()
+    }
+
+    /// As [`Self::write`], but the file gets its name later.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn stage(&self, path: &Path) -> Result<file::Staged> {
         self.validate()?;
         let (bytes, color, format): (&[u8], _, _) = match (FileFormat::from_path(path)?, &self.pixels) {
             (FileFormat::Png, Pixels::Rgba8(p)) => (p, ExtendedColorType::Rgba8, ImageFormat::Png),
@@ -137,7 +145,7 @@ impl Picture {
         let mut encoded = Cursor::new(Vec::new());
         image::write_buffer_with_format(&mut encoded, bytes, self.width, self.height, color, format)
             .map_err(|e| Error::unsupported(format!("{}: {e}", path.display()), "write another format"))?;
-        file::write_whole(path, encoded.get_ref())
+        file::stage(path, encoded.get_ref())
     }
 
     /// The same picture as linear floats.

@@ -2,6 +2,10 @@
 
 #![cfg(feature = "cli")]
 
+#[path = "common/gltf_build.rs"]
+#[allow(dead_code, reason = "each test file uses some of this")]
+mod gltf_build;
+
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
@@ -185,4 +189,59 @@ fn environments_are_baked_and_taken_in_the_panoramas_place() {
     fails(&["bake", "environment", "sky.png", "-o", "new.ktx2"], "cannot hold radiance");
     fails(&["plan", "grid.glb", "--environment", "absent.hdr"], "absent.hdr: cannot read");
     assert!(!at.join("again.ktx2").exists() && !at.join("new.ktx2").exists());
+}
+
+const GRID: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/grid.glb");
+
+#[test]
+fn flags_without_effect_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    rgba8(32, 16, |_| 200).to_linear().write(&folder.path().join("sky.exr")).unwrap();
+    for (flags, part) in [
+        (
+            &["--environment-format", "rgbm"][..],
+            "--environment-format is without effect: there is no environment",
+        ),
+        (&["--lightmap-format", "rgbm"], "--lightmap-format is without effect: there is no lightmap"),
+        (
+            &["--no-illumination-sets"],
+            "--no-illumination-sets is without effect: the path is not forward-multipass",
+        ),
+    ] {
+        let output = ontile(folder.path(), &[&["plan", GRID], flags].concat());
+        let err = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && err.contains(part), "{flags:?}: {err}");
+    }
+    // `expect` wants no word on standard error.
+    expect(folder.path(), 0, &["plan", GRID, "--environment-format", "rgbm", "--environment", "sky.exr"]);
+    expect(folder.path(), 0, &["plan", GRID, "--no-illumination-sets", "--path", "forward-multipass"]);
+}
+
+#[test]
+fn environments_that_are_too_bright_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    rgba8(32, 16, |_| 200).to_linear().write(&folder.path().join("sky.exr")).unwrap();
+    let plan = ["plan", GRID, "--environment", "sky.exr", "--environment-intensity"];
+    let message = expect(folder.path(), 1, &[&plan[..], &["1e38"]].concat());
+    assert!(message.contains("at most 1e12 cd/m² are supported; lower --environment-intensity"), "{message}");
+    expect(folder.path(), 0, &[&plan[..], &["1e11"]].concat());
+}
+
+#[test]
+fn lightmaps_are_baked_with_an_environment_from_the_command_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    rgba8(32, 16, |_| 200).to_linear().write(&at.join("sky.exr")).unwrap();
+    let dark = gltf_build::Gltf::triangle().write_beside(at, "dark");
+    let dark = dark.to_str().unwrap();
+    let bake = ["bake", "lightmap", dark, "-o", "out.glb", "--size", "16", "--samples", "4"];
+    let message = expect(at, 1, &bake);
+    assert!(message.contains("dark.gltf: ") && message.contains("no light to bake"), "{message}");
+    let with = |more: &[&str]| {
+        expect(at, 0, &[&bake[..], &["--environment", "sky.exr"], more].concat());
+        std::fs::read(at.join("out.glb")).unwrap()
+    };
+    assert_ne!(with(&[]), with(&["--environment-intensity", "2"]));
+    let message = expect(at, 1, &["plan", GRID, "--camera", "-1"]);
+    assert!(message.contains("grid.glb: scene 'grid' has no camera '-1'; use one of"), "{message}");
 }

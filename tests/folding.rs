@@ -92,12 +92,12 @@ fn unclipped_ev(gpu: &Gpu<'_>, scene: &Scene) -> f32 {
     };
     let brightest = light.chunks(4).flat_map(|p| &p[..3]).copied().fold(0.0, f32::max);
     assert!(brightest > 0.0, "{}: black", scene.name);
-    (HEADROOM * Layout::Metallic128.table().light_range / brightest).log2().floor()
+    (HEADROOM * Layout::Metallic128.table().light.range / brightest).log2().floor()
 }
 
 /// What is further apart than rounding the light to the light target's steps can take it.
 fn beyond_rounding(curve: Tonemap, a: &Picture, b: &Picture) -> Option<String> {
-    let step = f64::from(Layout::Metallic128.table().light_range) / LIGHT_STEPS;
+    let step = f64::from(Layout::Metallic128.table().light.range) / LIGHT_STEPS;
     let bound = steepest_slope(curve) * step + FLOAT_SLACK;
     let too_far = |a: f64, b: f64| (a - b).abs() > bound;
     // Each output is rounded by up to half a step. What a curve takes out of range is clipped: that only helps.

@@ -24,7 +24,7 @@ pub struct SceneArgs {
     pub scene: PathBuf,
     /// The camera, by its number in the file (from 0) or its name [default: 0; a scene without cameras gets one
     /// that frames it]
-    #[arg(long, value_name = "N|NAME")]
+    #[arg(long, value_name = "N|NAME", allow_negative_numbers = true)]
     pub camera: Option<String>,
     /// Light from every direction alike, in cd/m² [default: the scene's own]
     #[arg(long, value_name = "RADIANCE", value_parser = radiance, allow_negative_numbers = true)]
@@ -43,7 +43,24 @@ pub struct SceneArgs {
     /// scene's own, else fog is alike at all heights]
     #[arg(long, value_name = "BASE,SCALE", value_parser = fog_height, allow_hyphen_values = true)]
     pub fog_height: Option<FogHeight>,
-    /// Light from far away: an equirectangular .hdr or .exr picture of radiance in cd/m², or what 'ontile bake environment' made
+    #[command(flatten)]
+    pub far: FarArgs,
+    /// Lights at most; the least important are left out: first by the priority that the scene gives them, then by the
+    /// light that they bring [default: all]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    pub max_lights: Option<usize>,
+    /// Lights with shadows at most; the least important cast none
+    #[arg(long, value_name = "N", default_value_t = Scene::DEFAULT_SHADOWS, value_parser = count, allow_negative_numbers = true)]
+    pub max_shadows: usize,
+    /// No light casts a shadow
+    #[arg(long, conflicts_with = "max_shadows")]
+    pub no_shadows: bool,
+}
+
+/// Light from far away.
+#[derive(Args, Debug)]
+pub struct FarArgs {
+    /// Light from far away: an equirectangular .hdr or .exr picture of radiance in cd/m², at most 8192 columns wide, or what 'ontile bake environment' made
     /// of one [default: the scene's own, else none]
     #[arg(long, value_name = "FILE")]
     pub environment: Option<PathBuf>,
@@ -54,16 +71,6 @@ pub struct SceneArgs {
     /// Multiplies the environment's radiance [default: the scene's own, else 1]
     #[arg(long, value_name = "FACTOR", value_parser = intensity, allow_negative_numbers = true)]
     pub environment_intensity: Option<f32>,
-    /// Lights at most; the least important are left out: first by the priority that the scene gives them, then by the
-    /// light that they bring [default: all]
-    #[arg(long, value_name = "N")]
-    pub max_lights: Option<usize>,
-    /// Lights with shadows at most; the least important cast none
-    #[arg(long, value_name = "N", default_value_t = Scene::DEFAULT_SHADOWS)]
-    pub max_shadows: usize,
-    /// No light casts a shadow
-    #[arg(long, conflicts_with = "max_shadows")]
-    pub no_shadows: bool,
 }
 
 /// How the frame is built.
@@ -91,12 +98,13 @@ pub struct PlanArgs {
     #[arg(long)]
     pub no_illumination_sets: bool,
     /// How an environment's radiance is stored, unless the file says so: rgbm, b10g11r11 and e5b9g9r9 take 4 bytes a texel,
-    /// rgba16f 8
-    #[arg(long, value_name = "NAME", default_value_t = TexelFormat::E5B9G9R9, value_parser = named(TexelFormat::ALL, TexelFormat::name))]
-    pub environment_format: TexelFormat,
+    /// rgba16f 8 [default: e5b9g9r9]
+    #[arg(long, value_name = "NAME", value_parser = named(TexelFormat::ALL, TexelFormat::name))]
+    pub environment_format: Option<TexelFormat>,
     /// How a lightmap's light is stored, in the same bytes; rgbm is as files have it, and less accurate between texels
-    #[arg(long, value_name = "NAME", default_value_t = TexelFormat::E5B9G9R9, value_parser = named(TexelFormat::ALL, TexelFormat::name))]
-    pub lightmap_format: TexelFormat,
+    /// [default: e5b9g9r9]
+    #[arg(long, value_name = "NAME", value_parser = named(TexelFormat::ALL, TexelFormat::name))]
+    pub lightmap_format: Option<TexelFormat>,
     /// How lights reach pixels
     #[arg(long, value_name = "WAY", default_value_t = LightWay::Auto, value_parser = named(LightWay::ALL, LightWay::name))]
     pub lights: LightWay,
@@ -136,6 +144,7 @@ pub struct PlanArgs {
 impl PlanArgs {
     /// The library's options for a final image of this format.
     pub fn options(&self, output: OutputFormat) -> Options {
+        let default = Options::default();
         Options {
             size: self.size.0,
             strategy: self.strategy,
@@ -157,9 +166,9 @@ impl PlanArgs {
             recycle: !self.no_recycle,
             fold: !self.no_fold,
             dither: self.dither,
-            environment_format: self.environment_format,
-            lightmap_format: self.lightmap_format,
-            ..Options::default()
+            environment_format: self.environment_format.unwrap_or(default.environment_format),
+            lightmap_format: self.lightmap_format.unwrap_or(default.lightmap_format),
+            ..default
         }
     }
 }
@@ -226,6 +235,10 @@ where
     PossibleValuesParser::new(all.iter().map(|&value| name(value))).try_map(|typed| typed.parse::<T>())
 }
 
+fn count(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| "give a whole number, 0 or more".into())
+}
+
 fn exposure(text: &str) -> Result<f32, String> {
     const MAX_EV: f32 = 64.0;
     match text.parse::<f32>() {
@@ -276,6 +289,7 @@ fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
     let parsed: Vec<f32> = text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
     parsed.try_into().ok().filter(|list: &[f32; N]| list.iter().all(|x| x.is_finite()))
 }
+
 fn degrees(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(degrees) if degrees.is_finite() => Ok(degrees),

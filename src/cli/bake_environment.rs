@@ -21,7 +21,7 @@ Examples:
   ontile bake environment sky.hdr -o sky.ktx2
   ontile bake environment sky.exr -o sky.ktx2 --size 128 --environment-format rgbm")]
 pub struct EnvironmentArgs {
-    /// The panorama: an equirectangular .hdr or .exr picture of radiance in cd/m²
+    /// The panorama: an equirectangular .hdr or .exr picture of radiance in cd/m², at most 8192 columns wide
     #[arg(value_name = "FILE")]
     pub panorama: PathBuf,
     /// The file to write

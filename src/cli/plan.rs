@@ -45,6 +45,7 @@ impl std::fmt::Display for Printed {
 pub fn run(args: &PlanCommandArgs) -> ontile::Result<()> {
     let scene = scene::load(&args.scene)?;
     scene::camera(&scene, &args.scene)?;
+    scene::tell_idle_flags(&scene, &args.plan);
     // No device is asked: the picture's size is its only limit that may go beyond the guaranteed ones.
     let limits = Limits { max_image_size: u32::MAX, ..Limits::default() };
     let plan = Plan::new(Needs::of(&scene), args.plan.options(OutputFormat::Rgba8Srgb), &limits)?;

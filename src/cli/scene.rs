@@ -1,11 +1,12 @@
 //! From the arguments to a scene and a camera.
 
-use ontile::Result;
 use ontile::environment::{Cache, DEFAULT_FACE_SIZE, TexelFormat};
 use ontile::glam::Vec3;
+use ontile::plan::Path;
 use ontile::scene::{Background, Camera, Environment, Fog, Scene};
+use ontile::{Error, Result};
 
-use super::args::SceneArgs;
+use super::args::{FarArgs, PlanArgs, SceneArgs};
 use super::print;
 use super::progress::Progress;
 
@@ -17,7 +18,7 @@ pub fn load(args: &SceneArgs) -> Result<Scene> {
     if let Some(ambient) = args.ambient {
         scene.ambient_nt = ontile::glam::Vec3::splat(ambient);
     }
-    read_environment(&mut scene, args)?;
+    read_environment(&mut scene, &args.far)?;
     scene.background = args.background.unwrap_or(scene.background);
     if scene.background == Background::Environment && scene.environment.is_none() {
         print::warning("the background is to be the environment, but there is none; it is black");
@@ -52,7 +53,7 @@ fn apply_fog(scene: &mut Scene, args: &SceneArgs) {
 }
 
 /// The environment that the arguments ask for.
-fn read_environment(scene: &mut Scene, args: &SceneArgs) -> Result<()> {
+pub fn read_environment(scene: &mut Scene, args: &FarArgs) -> Result<()> {
     if let Some(path) = &args.environment {
         let _progress = Progress::of(format!("loading {}", path.display()));
         let own = scene.environment.take();
@@ -67,6 +68,10 @@ fn read_environment(scene: &mut Scene, args: &SceneArgs) -> Result<()> {
         Some(environment) => {
             environment.rotation_deg = args.environment_rotation.unwrap_or(environment.rotation_deg);
             environment.intensity = args.environment_intensity.unwrap_or(environment.intensity);
+            if let Some(problem) = environment.too_bright() {
+                let what = format!("{}: its intensity {problem}", environment.name);
+                return Err(Error::unsupported(what, "lower --environment-intensity"));
+            }
         }
         None if args.environment_rotation.is_some() || args.environment_intensity.is_some() => {
             print::warning(
@@ -76,6 +81,40 @@ fn read_environment(scene: &mut Scene, args: &SceneArgs) -> Result<()> {
         None => {}
     }
     Ok(())
+}
+
+/// Tells of flags for things that the scene and the path have not.
+pub fn tell_idle_flags(scene: &Scene, args: &PlanArgs) {
+    let idle = [
+        (
+            args.environment_format.is_some() && scene.environments().next().is_none(),
+            "--environment-format",
+            "there is no environment",
+        ),
+        (
+            args.lightmap_format.is_some() && scene.lightmap.is_none(),
+            "--lightmap-format",
+            "there is no lightmap",
+        ),
+        (
+            args.no_illumination_sets && args.path != Path::ForwardMultipass,
+            "--no-illumination-sets",
+            "the path is not forward-multipass",
+        ),
+    ];
+    for (_, flag, why) in idle.iter().filter(|(is_idle, ..)| *is_idle) {
+        print::warning(&format!("{flag} is without effect: {why}"));
+    }
+}
+
+/// An error with the file that it is about.
+pub fn about(file: &std::path::Path, error: Error) -> Error {
+    match error {
+        Error::Unsupported { what, remedy } => {
+            Error::unsupported(format!("{}: {what}", file.display()), remedy)
+        }
+        named => named,
+    }
 }
 
 /// Filters the scene's environments, or reads what an earlier run has kept of them.
@@ -91,5 +130,5 @@ pub fn prefilter(scene: &mut Scene, format: TexelFormat) {
 
 /// The camera that the arguments name; the first by default.
 pub fn camera<'a>(scene: &'a Scene, args: &SceneArgs) -> Result<&'a Camera> {
-    scene.camera(args.camera.as_deref().unwrap_or("0"))
+    scene.camera(args.camera.as_deref().unwrap_or("0")).map_err(|e| about(&args.scene, e))
 }

@@ -7,6 +7,7 @@ use ontile::picture::{FileFormat, Picture, Pixels};
 use ontile::plan::{Layout, Options, OutputFormat, Strategy, Tonemap};
 use ontile::scene::{Background, FogHeight};
 
+use super::bake::LightmapArgs;
 use super::bake_environment::EnvironmentArgs;
 use super::info::InfoArgs;
 use super::plan::PlanCommandArgs;
@@ -36,6 +37,7 @@ fn definitions_are_sound() {
     command::<PlanCommandArgs>().debug_assert();
     command::<InfoArgs>().debug_assert();
     command::<EnvironmentArgs>().debug_assert();
+    command::<LightmapArgs>().debug_assert();
 }
 
 #[test]
@@ -122,8 +124,8 @@ fn environments_arrive() {
          --environment-format rgbm",
     )
     .unwrap();
-    assert_eq!(args.scene.environment.as_deref(), Some("sky.hdr".as_ref()));
-    let numbers = (args.scene.environment_rotation, args.scene.environment_intensity);
+    assert_eq!(args.scene.far.environment.as_deref(), Some("sky.hdr".as_ref()));
+    let numbers = (args.scene.far.environment_rotation, args.scene.far.environment_intensity);
     assert_eq!(numbers, (Some(-45.0), Some(0.5)));
     assert_eq!(args.options().environment_format, TexelFormat::Rgbm);
     let args: EnvironmentArgs = parse("sky.hdr -o sky.ktx2 --size 128 --environment-format rgba16f").unwrap();
@@ -173,12 +175,28 @@ fn usage_errors_say_what_is_right() {
         ("s.glb -o o.png --environment-rotation NaN", "an angle in degrees"),
         ("s.glb -o o.png --environment-intensity -1", "0 or more"),
         ("s.glb -o o.png --environment-format rgb9e5", "rgbm, b10g11r11, e5b9g9r9, rgba16f"),
+        ("s.glb -o o.png --max-lights -1", "0 or more"),
+        ("s.glb -o o.png --max-shadows x", "0 or more"),
+        ("s.glb -o o.png --max-shadows -1", "0 or more"),
         ("s.glb -o o.png --frames 0", "--frames"),
+        ("s.glb -o o.png --frames -1", "-1 is not in 1.."),
         ("s.glb -o o.png --unknown", "--unknown"),
     ];
     for (line, expected) in cases {
         let message = usage_error::<RenderArgs>(line);
         assert!(message.contains(expected), "{line}: {message}");
+    }
+}
+
+#[test]
+fn negative_numbers_are_values() {
+    assert_eq!(
+        parse::<RenderArgs>("s.glb -o o.png --camera -1").unwrap().scene.camera.as_deref(),
+        Some("-1")
+    );
+    for (flag, range) in [("size", "16..=4096"), ("samples", "1..=1048576"), ("bounces", "0..=1000")] {
+        let message = usage_error::<LightmapArgs>(&format!("s.glb -o o.glb --{flag} -1"));
+        assert!(message.contains(&format!("-1 is not in {range}")), "{message}");
     }
 }
 
@@ -250,6 +268,10 @@ fn render_writes_picture_and_report_or_nothing() {
     assert_eq!(render("o.png", "r.json", true).0.unwrap_err(), "nothing works; give up");
     assert_eq!(files(), 0);
 
+    if cfg!(target_os = "linux") {
+        assert!(render("o.png", "/dev/full", false).0.unwrap_err().contains("/dev/full: cannot write"));
+        assert_eq!(files(), 0, "the picture of a run that failed");
+    }
     render("o.png", "r.json", false).0.unwrap();
     assert_eq!(Picture::read(&folder.path().join("o.png")).unwrap(), picture);
     let report: serde_json::Value = serde_json::from_slice(&std::fs::read(at("r.json")).unwrap()).unwrap();

@@ -19,7 +19,7 @@ use ktx2::{Format, Header, Index, LevelIndex, Reader};
 use sha2::{Digest, Sha256};
 
 use super::cube::FACES;
-use super::panorama::{Panorama, read_bytes};
+use super::panorama::{MAX_RADIANCE_NT, Panorama, read_bytes};
 use super::prefiltered::{FACE_SIZES, Prefiltered, is_face_size};
 use super::specular::level_count;
 use super::texel::TexelFormat;
@@ -191,15 +191,23 @@ impl Prefiltered {
         let floats: Vec<f32> =
             irradiance.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
         let irradiance = std::array::from_fn(|i| Vec3::from_slice(&floats[3 * i..]));
-        if !irradiance.iter().all(|c: &Vec3| c.is_finite()) {
-            return Err(format!("has values in {KEY_IRRADIANCE} that are not finite"));
+        // A coefficient is the mean over all directions of radiance times at most 4 (Ramamoorthi and Hanrahan 2001, 3.2).
+        if !irradiance.iter().all(|c: &Vec3| c.is_finite() && c.abs().max_element() <= 8.0 * MAX_RADIANCE_NT)
+        {
+            return Err(format!(
+                "has values in {KEY_IRRADIANCE} that are not finite, or exceed all radiance"
+            ));
         }
+        let most = MAX_RADIANCE_NT * 1.01;
         let valid = |texel: &[u8]| {
             let radiance = format.decode(format.load(texel)) * scale;
-            radiance.is_finite() && radiance.min_element() >= 0.0
+            // Rounding may have added a little.
+            radiance.is_finite() && radiance.min_element() >= 0.0 && radiance.max_element() <= most
         };
         if !levels.iter().all(|level| level.chunks_exact(format.bytes()).all(valid)) {
-            return Err("holds radiance that is negative, infinite or not a number".into());
+            return Err(format!(
+                "holds radiance that is negative, above {MAX_RADIANCE_NT:e} cd/m² or not a number"
+            ));
         }
         let parsed = Self { format, face_size: size, scale, levels, irradiance };
         match parsed.checksum() == exact(value(KEY_CHECKSUM)?, KEY_CHECKSUM)? {
@@ -257,6 +265,7 @@ mod tests {
         let problem = |bytes: &[u8]| Prefiltered::from_ktx2(bytes).unwrap_err();
         assert!(problem(&with_value(KEY_VERSION, &7_u32.to_le_bytes())).contains("version 7"));
         assert!(problem(&with_value(KEY_SCALE, &f32::NAN.to_le_bytes())).contains(KEY_SCALE));
+        assert!(problem(&with_value(KEY_SCALE, &1e13_f32.to_le_bytes())).contains("above 1e12 cd/m²"));
         assert!(problem(&with_value(KEY_IRRADIANCE, &f32::INFINITY.to_le_bytes())).contains("not finite"));
         assert!(problem(&with_value(KEY_CHECKSUM, &[0; 16])).contains("checksum"));
         let mut negative = good.clone();

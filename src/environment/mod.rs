@@ -16,6 +16,7 @@
 mod cache;
 mod cube;
 mod file;
+mod header;
 mod irradiance;
 mod panorama;
 mod prefiltered;
@@ -26,7 +27,7 @@ mod texel;
 pub use cache::{Cache, cached};
 pub use file::{Content, read};
 pub use irradiance::{basis, evaluate};
-pub use panorama::{MAX_WIDTH, MIN_WIDTH, Panorama, direction_from_uv, uv_from_direction};
+pub use panorama::{MAX_RADIANCE_NT, MAX_WIDTH, MIN_WIDTH, Panorama, direction_from_uv, uv_from_direction};
 pub use prefiltered::{DEFAULT_FACE_SIZE, FACE_SIZES, Lookup, Prefiltered};
 pub use specular::{level_count, level_from_roughness, roughness_from_level};
 pub use texel::TexelFormat;

@@ -7,8 +7,9 @@ use std::io::Cursor;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 
+use super::header::{self, RADIANCE};
 use crate::{Error, Result};
 
 /// Columns of the largest panorama that is read: 33 million texels. More neither a prefiltered cube nor a background shows.
@@ -16,6 +17,10 @@ pub const MAX_WIDTH: u32 = 8192;
 
 /// Columns of the smallest.
 pub const MIN_WIDTH: u32 = 4;
+
+/// The largest radiance that is supported, in cd/m²: some hundred times the sun's. Sums of it, and exposures of up to 64 stops,
+/// stay far from the end of f32.
+pub const MAX_RADIANCE_NT: f32 = 1e12;
 
 /// A file is not believed to be larger.
 const MAX_FILE_BYTES: u64 = 1 << 30;
@@ -40,7 +45,7 @@ impl Panorama {
     ///
     /// # Errors
     /// [`Error::Unsupported`] if the size is not 2:1 or not from 4 x 2 to 8192 x 4096, if there is not one texel for
-    /// every place, and for values that are negative, infinite or not numbers.
+    /// every place, and for values that are negative, above [`MAX_RADIANCE_NT`] or not numbers.
     pub fn new(width: u32, height: u32, texels: Vec<Vec3>) -> Result<Self> {
         let panorama = Self { width, height, texels };
         match panorama.problem() {
@@ -65,6 +70,9 @@ impl Panorama {
     /// As [`Self::read`], from the content of the file.
     pub(super) fn decode(path: &Path, bytes: Vec<u8>) -> Result<Self> {
         let bad = |element: &str, problem: String, remedy: &str| Error::input(path, element, problem, remedy);
+        if bytes.starts_with(RADIANCE) {
+            header::check(&bytes).map_err(|(element, problem, remedy)| bad(&element, problem, remedy))?;
+        }
         let mut reader = ImageReader::new(Cursor::new(bytes))
             .with_guessed_format()
             .map_err(|e| Error::io(path, "read", e))?;
@@ -79,8 +87,9 @@ impl Panorama {
                 return Err(bad("environment", problem, MAKE_IT_HDR));
             }
         }
-        let undecodable = |e: image::ImageError| {
-            bad("environment", format!("cannot be decoded: {e}"), "give a complete .hdr or .exr file")
+        let undecodable = |e: ImageError| {
+            let (problem, remedy) = header::undecodable(&e);
+            Error::input(path, "environment", problem, remedy)
         };
         let mut limits = image::Limits::default();
         // Four floats a texel, and as much again for the decoder's own buffers.
@@ -89,7 +98,7 @@ impl Panorama {
         let decoder = reader.into_decoder().map_err(undecodable)?;
         let (width, height) = decoder.dimensions();
         // Before the texels take memory.
-        if let Some((element, problem, remedy)) = size_problem(width, height) {
+        if let Some((element, problem, remedy)) = size_problem(width.into(), height.into()) {
             return Err(bad(&element, problem, remedy));
         }
         let picture = DynamicImage::from_decoder(decoder).map_err(undecodable)?.into_rgb32f();
@@ -104,16 +113,18 @@ impl Panorama {
     /// The first thing that is wrong: where, what, and what to do.
     fn problem(&self) -> Option<(String, String, &'static str)> {
         let Self { width, height, texels } = self;
-        if let Some(problem) = size_problem(*width, *height) {
+        if let Some(problem) = size_problem((*width).into(), (*height).into()) {
             return Some(problem);
         }
         if texels.len() as u64 != u64::from(*width) * u64::from(*height) {
             let problem = format!("has {} texels for {width} x {height} places", texels.len());
             return Some(("list".into(), problem, "give one texel for every place"));
         }
-        let index = texels.iter().position(|t| !t.is_finite() || t.min_element() < 0.0)?;
+        let fine = |t: &Vec3| t.is_finite() && t.min_element() >= 0.0 && t.max_element() <= MAX_RADIANCE_NT;
+        let index = texels.iter().position(|t| !fine(t))?;
         let at = format!("texel {}, {}", index as u32 % width, index as u32 / width);
-        let problem = format!("is {}, but radiance is finite and not negative", texels[index]);
+        let rule = format!("radiance is finite, not negative, and at most {MAX_RADIANCE_NT:e} cd/m²");
+        let problem = format!("is {:?}, but {rule}", texels[index].to_array());
         Some((at, problem, "repair the picture, e.g. clamp its channels"))
     }
 
@@ -130,6 +141,11 @@ impl Panorama {
     /// Rows from the top, texels from the left.
     pub fn texels(&self) -> &[Vec3] {
         &self.texels
+    }
+
+    /// The largest value of a channel, in cd/m².
+    pub fn brightest_nt(&self) -> f32 {
+        self.texels.iter().map(|texel| texel.max_element()).fold(0.0, f32::max)
     }
 
     /// The radiance from a direction of unit length in the environment's own space.
@@ -182,17 +198,23 @@ pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     fs::read(path).map_err(|e| Error::io(path, "read", e))
 }
 
-fn size_problem(width: u32, height: u32) -> Option<(String, String, &'static str)> {
+/// As [`Panorama::problem`], of sizes as files say them.
+pub(super) fn size_problem(width: u64, height: u64) -> Option<(String, String, &'static str)> {
     let problem = |text: String, remedy| Some(("size".to_owned(), text, remedy));
-    if u64::from(width) != 2 * u64::from(height) {
+    if width == 0 || height == 0 {
+        let text = format!("is {width} x {height} texels: there is no picture");
+        return problem(text, "export the picture again");
+    }
+    if width != height.saturating_mul(2) {
         let text =
             format!("is {width} x {height} texels, but an equirectangular picture is twice as wide as high");
         return problem(text, "give a full panorama in that projection");
     }
-    if !(MIN_WIDTH..=MAX_WIDTH).contains(&width) {
+    if !(MIN_WIDTH.into()..=MAX_WIDTH.into()).contains(&width) {
         let text =
             format!("is {width} x {height} texels, but {MIN_WIDTH} to {MAX_WIDTH} columns are supported");
-        return problem(text, "scale the picture");
+        let too_small = width < MIN_WIDTH.into();
+        return problem(text, if too_small { "give a larger picture" } else { "scale the picture down" });
     }
     None
 }

@@ -50,6 +50,12 @@ impl Prefiltered {
         Self { format, face_size, scale, levels, irradiance: irradiance::project(panorama) }
     }
 
+    /// The largest value of a channel of the sharpest level, in cd/m².
+    pub fn brightest_nt(&self) -> f32 {
+        let decode = |texel| self.format.decode(self.format.load(texel)).max_element() * self.scale;
+        self.levels[0].chunks_exact(self.format.bytes()).map(decode).fold(0.0, f32::max)
+    }
+
     /// How texels are stored.
     pub fn format(&self) -> TexelFormat {
         self.format

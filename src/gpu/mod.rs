@@ -76,6 +76,7 @@ pub use shadow::RecordedShadows;
 pub use target::{OutputImage, Target};
 pub use texture::{ColorEncoding, SamplerCache, TextureKey, Textures};
 pub use upload::Upload;
+pub use validation::expected_advice;
 pub use view::View;
 
 use crate::{Error, Result};

@@ -4,6 +4,8 @@ use ash::vk;
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::plan::{Load, Pass, PassAttachment, Path, Plan};
+
 /// Messages of one instance, in order; shared, so that they outlive it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Messages(Arc<Mutex<Vec<String>>>);
@@ -53,9 +55,7 @@ unsafe extern "system" fn collect(
         false => unsafe { CStr::from_ptr(s) }.to_string_lossy().into_owned(),
     };
     let (id, message) = (text(data.p_message_id_name), text(data.p_message));
-    let unheard =
-        is_about_ourselves(&id, &message) || is_about_unread_varyings(&id) || is_about_the_scene(&id);
-    if unheard {
+    if is_about_ourselves(&id, &message) || is_about_the_scene(&id) {
         return vk::FALSE;
     }
     messages.push(format!("{severity:?} {types:?} {id}: {message}"));
@@ -68,15 +68,29 @@ fn is_about_ourselves(id: &str, message: &str) -> bool {
     id.contains("specialuse-extension") && ours.iter().any(|extension| message.contains(extension))
 }
 
-/// One vertex module serves fragment modules that read more of its outputs and others that read fewer. Vulkan allows it,
-/// and drivers drop what is not read when they link a pipeline. (The other way round, an input that nothing writes, is
-/// an error of another name.)
-fn is_about_unread_varyings(id: &str) -> bool {
-    id == "UNASSIGNED-CoreValidation-Shader-OutputNotConsumed"
-}
-
 /// Arm's advice against wrapping u and v differently. Scenes ask for it and must get it: the advice itself says that it is
 /// to be disregarded then.
 fn is_about_the_scene(id: &str) -> bool {
     id.ends_with("vkCreateSampler-different-wrapping-modes")
+}
+
+/// What best practices say of a plan that means just that, by a part of each message.
+pub fn expected_advice(plan: &Plan) -> Vec<&'static str> {
+    let attachments = || plan.passes.iter().flat_map(|pass| &pass.attachments);
+    let clears = |a: &PassAttachment| [a.load, a.stencil.0].map(|load| load == Load::Clear);
+    let clears_only_stencil = |pass: &Pass| {
+        pass.attachments.iter().any(|a| clears(a)[1]) && !pass.attachments.iter().any(|a| clears(a)[0])
+    };
+    let told = [
+        // Arm and IMG advise against loads, which are all that `separate` is there for.
+        (attachments().any(|a| a.load == Load::Load), "attachment-needs-readback"),
+        // A draw for each light and small object is the way of multi-pass shading, and one for each tile and small caster
+        // that of shadow maps. (What can be drawn at once is.)
+        (plan.path == Path::ForwardMultipass || plan.shadow_map.is_some(), "many-small-indexed-drawcalls"),
+        // Said mistakenly of a pass that clears no attachment but a stencil.
+        (plan.passes.iter().any(clears_only_stencil), "ClearValueWithoutLoadOpClear"),
+        // A pass that only clears is all that a scene of nothing needs.
+        (plan.pipelines.is_empty(), "redundant-attachment-on-tile"),
+    ];
+    told.into_iter().filter_map(|(is_meant, message)| is_meant.then_some(message)).collect()
 }

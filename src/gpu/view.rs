@@ -33,7 +33,6 @@ impl View<'_> {
         let axis = |v: DVec3, w: f32| v.as_vec3().extend(w).to_array();
         let [right, up, back, position] =
             world_from_view.to_cols_array_2d().map(|c| DVec3::new(c[0], c[1], c[2]));
-        let light_scale = if plan.has_light_target() { plan.options.layout.light_scale() } else { 1.0 };
         FrameUniforms {
             clip_from_world: (clip_from_view * world_from_view.inverse()).as_mat4().to_cols_array_2d(),
             camera_position_world: axis(position, perspective),
@@ -43,7 +42,7 @@ impl View<'_> {
             distance_from_depth: self.camera.projection.distance_from_depth(),
             inverse_size: [(1.0 / width) as f32, (1.0 / height) as f32],
             exposure: self.exposure_ev.exp2(),
-            light_scale,
+            light_scale: plan.light_scale(),
             ambient_nt: ambient_nt.extend(0.0).to_array(),
             light_counts: [0; 4],
             hemispheres: [[0.0; 4]; 3],

@@ -65,7 +65,7 @@ pub fn bake(scene: &Scene, settings: &Settings, progress: impl Fn() + Sync) -> R
                 "scene '{}' has no light to bake: no static lights, nothing that glows, and none around",
                 scene.name
             ),
-            "add lights or an emissive surface, or ask for ambient light",
+            "add lights or an emissive surface, or ask for ambient light or an environment",
         ));
     }
     let texels = Texels::new(scene, settings.size);

@@ -62,7 +62,7 @@ impl Display for FrameCounts {
         write!(
             f,
             "{} draws of {} triangles; bound: {pipelines} pipelines, {descriptor_sets} descriptor sets, \
-             {vertex_buffers} vertex buffers, {index_buffers} index buffers; in view: {} objects, {} lights",
+             {vertex_buffers} vertex buffers, {index_buffers} index buffers; in view: {} objects, {} lights (hemispheres aside)",
             self.draws,
             self.triangles,
             of(self.objects),

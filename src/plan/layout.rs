@@ -24,10 +24,20 @@ pub struct LayoutTable {
     pub source: &'static str,
     /// What geometry writes and lighting reads, in order of colour output and of input attachment index.
     pub surface: [Target; 3],
-    /// Where light is summed before the tone curve.
-    pub light: Target,
-    /// The greatest exposed light that the light target can hold: 1 / the factor it is stored with.
-    pub light_range: f32,
+    /// Where light that surfaces send without light sources is stored, and the sum of all lights is added.
+    pub light: LightTarget,
+    /// The same where lights are added one by one. Each addition is rounded, so that of many dim lights all that is below
+    /// half a step would be lost.
+    pub light_one_by_one: LightTarget,
+}
+
+/// What light is summed in before the tone curve.
+#[derive(Clone, Copy, Debug)]
+pub struct LightTarget {
+    /// The attachment.
+    pub target: Target,
+    /// The exposed light that is stored as 1; a normalised format clips what is above.
+    pub range: f32,
 }
 
 /// Exposed light above this is clipped by a normalised light target. The neutral curve compresses all that lies
@@ -59,14 +69,17 @@ const METALLIC128: LayoutTable = LayoutTable {
             clear: None,
         },
     ],
-    light: Target {
-        name: "light",
-        format: Format::Rgb10a2Unorm,
-        holds: "rgb: exposed light / range, a: padding",
-        used_bits: 30,
-        clear: Some([0.0; 4]),
+    light: LightTarget {
+        target: Target {
+            name: "light",
+            format: Format::Rgb10a2Unorm,
+            holds: "rgb: exposed light / range, a: padding",
+            used_bits: 30,
+            clear: Some([0.0; 4]),
+        },
+        range: UNORM_LIGHT_RANGE,
     },
-    light_range: UNORM_LIGHT_RANGE,
+    light_one_by_one: float_light(Format::Rgba16Float, 48),
 };
 
 const EXACT: LayoutTable = LayoutTable {
@@ -88,15 +101,17 @@ const EXACT: LayoutTable = LayoutTable {
             clear: None,
         },
     ],
-    light: Target {
-        name: "light",
-        format: Format::Rgba32Float,
-        holds: "rgb: exposed light, a: padding",
-        used_bits: 96,
-        clear: Some([0.0; 4]),
-    },
-    light_range: 1.0,
+    light: float_light(Format::Rgba32Float, 96),
+    light_one_by_one: float_light(Format::Rgba32Float, 96),
 };
+
+const fn float_light(format: Format, used_bits: u32) -> LightTarget {
+    let holds = "rgb: exposed light, a: padding";
+    LightTarget {
+        target: Target { name: "light", format, holds, used_bits, clear: Some([0.0; 4]) },
+        range: 1.0,
+    }
+}
 
 impl Layout {
     /// The place of reversed depth among the surface targets of every layout.
@@ -110,8 +125,9 @@ impl Layout {
         }
     }
 
-    /// The factor that exposed light is stored with in the light target.
-    pub fn light_scale(self) -> f32 {
-        1.0 / self.table().light_range
+    /// What light is summed in: all lights at once, or one by one.
+    pub(super) fn light(self, one_by_one: bool) -> &'static LightTarget {
+        let table = self.table();
+        if one_by_one { &table.light_one_by_one } else { &table.light }
     }
 }

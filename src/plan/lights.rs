@@ -97,9 +97,16 @@ impl std::fmt::Display for VolumeShape {
     }
 }
 
+impl LightWay {
+    /// Whether lights are added to what is there one after the other.
+    pub fn is_one_by_one(self) -> bool {
+        matches!(self, Self::Volumes | Self::Stencil)
+    }
+}
+
 /// What draws the lights of a G-buffer.
 pub(super) fn pipelines(needs: &Needs, way: LightWay) -> impl Iterator<Item = Pipeline> {
-    let one_by_one = matches!(way, LightWay::Volumes | LightWay::Stencil);
+    let one_by_one = way.is_one_by_one();
     let at_once = !one_by_one || needs.global_lights() > 0;
     let shapes = VolumeShape::needed(needs).filter(move |_| one_by_one);
     let volumes = shapes.flat_map(move |shape| {

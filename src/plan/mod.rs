@@ -36,7 +36,7 @@ pub use around::{Around, AroundImage, EnvironmentNeed};
 pub use budget::{Verdict, verdicts};
 pub use counts::{FrameCounts, Seen, StateChanges};
 pub use format::Format;
-pub use layout::{LayoutTable, Target};
+pub use layout::{LayoutTable, LightTarget, Target};
 pub use ledger::{
     AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
 };
@@ -352,6 +352,17 @@ impl Plan {
         self.needs.lit.is_some() && !self.folded
     }
 
+    /// What light is summed in, if it is.
+    pub fn light_target(&self) -> Option<&'static LightTarget> {
+        let one_by_one = self.path == Path::ForwardMultipass || self.light_way.is_one_by_one();
+        self.has_light_target().then(|| self.options.layout.light(one_by_one))
+    }
+
+    /// The factor that exposed light is stored with.
+    pub fn light_scale(&self) -> f32 {
+        self.light_target().map_or(1.0, |light| 1.0 / light.range)
+    }
+
     /// The number of subpasses in all passes: of stages.
     pub fn stage_count(&self) -> usize {
         self.passes.iter().map(|p| p.subpasses.len()).sum()
@@ -405,8 +416,9 @@ fn notes(
         );
     } else {
         let table = options.layout.table();
-        let range = format!("the light target holds exposed light up to {}", table.light_range);
-        notes.extend((table.light.format == Format::Rgb10a2Unorm).then_some(range));
+        let is_unorm = attachments.iter().any(|a| a.format == Format::Rgb10a2Unorm);
+        let range = format!("the light target holds exposed light up to {}", table.light.range);
+        notes.extend(is_unorm.then_some(range));
         notes.extend(path::notes(options, path));
         if !options.recycle {
             notes.push("recycling is off: every resource has an attachment of its own".into());

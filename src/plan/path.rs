@@ -30,6 +30,14 @@ pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Resu
         Path::ForwardMultipass if needs.lit.is_some() && no_lights => {
             (Path::Forward, Some("path: forward, not forward-multipass: there are no lights to add".into()))
         }
+        Path::Deferred
+            if needs.lit.is_some() && !options.keep_gbuffer && no_lights && needs.hemisphere_lights == 0 =>
+        {
+            (
+                Path::Forward,
+                Some("path: forward, not deferred: there are no lights to read a G-buffer for".into()),
+            )
+        }
         asked => (asked, None),
     };
     if path != Path::Deferred && options.keep_gbuffer {

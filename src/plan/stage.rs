@@ -101,7 +101,7 @@ impl Frame {
         };
         let mut stages = Vec::new();
         let mut depth_uses = Vec::new();
-        let one_by_one = matches!(way, LightWay::Volumes | LightWay::Stencil);
+        let one_by_one = way.is_one_by_one();
         let before_sky = needs.sky && needs.triangles > 0;
         let depth = (needs.triangles > 1 || one_by_one || before_sky).then(|| {
             let stencil = way == LightWay::Stencil;
@@ -147,7 +147,8 @@ impl Frame {
         let lit = match (&needs.lit, path) {
             (Some(lit), Path::Deferred) => lit,
             (Some(_), Path::ForwardMultipass) => {
-                let light = add(&options.layout.table().light, false, "lights are summed one by one".into());
+                let light =
+                    add(&options.layout.light(true).target, false, "lights are summed one by one".into());
                 if needs.background.is_some() {
                     resources[light].holds = Self::LIGHT_AND_BACKGROUND;
                 }
@@ -197,13 +198,14 @@ impl Frame {
             .map(|t| add(t, options.keep_gbuffer, format!("lighting reads it for lit surfaces ({lit})")))
             .collect();
         let mut light_why = needs.prelit.clone();
-        light_why.extend(one_by_one.then(|| "lights are added one by one".into()));
+        light_why.extend(one_by_one.then(|| "lights are added one by one, each rounded".into()));
         if light_why.is_empty() {
             light_why.push("lighting and tonemap are kept apart on request".into());
         }
         let light_why = light_why.join(", ");
         let folded = needs.prelit.is_empty() && options.fold && !one_by_one;
-        let light = (!folded).then(|| add(&table.light, options.keep_gbuffer, light_why));
+        let light =
+            (!folded).then(|| add(&options.layout.light(one_by_one).target, options.keep_gbuffer, light_why));
         if let Some(light) = light {
             if needs.fog.is_some() {
                 resources[surface[Layout::DEPTH]].why += ", and tonemap for fog";

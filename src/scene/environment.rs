@@ -61,6 +61,22 @@ impl Environment {
         }
     }
 
+    /// What is wrong if its brightest radiance times its intensity exceeds [`environment::MAX_RADIANCE_NT`].
+    pub fn too_bright(&self) -> Option<String> {
+        let panorama = self.panorama.as_ref().map(|p| p.brightest_nt());
+        let prefiltered = || self.prefiltered.as_ref().map(|p| p.brightest_nt());
+        let radiance = panorama.or_else(prefiltered).unwrap_or(0.0);
+        // What was filtered of a panorama at the limit may have been rounded up.
+        let most = f64::from(environment::MAX_RADIANCE_NT) * 1.01;
+        (f64::from(radiance) * f64::from(self.intensity) > most).then(|| {
+            format!(
+                "makes the environment's brightest texel, {radiance:e} cd/m², {:e} times as bright, but at most {:e} cd/m² are supported",
+                self.intensity,
+                environment::MAX_RADIANCE_NT
+            )
+        })
+    }
+
     /// Whether it adds nothing anywhere.
     pub fn is_dark(&self) -> bool {
         self.intensity == 0.0

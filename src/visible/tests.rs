@@ -145,6 +145,109 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// At the very edge, where the last bit decides: what a GPU finds inside is not missed.
+    #[test]
+    fn what_a_gpu_sees_at_the_edge_is_not_missed(
+        (clip_from_world, _) in clip_from_world(), at in prop::array::uniform2(-1.0_f64..1.0), depth in 0.0001_f64..1.0,
+        edge in 0..4_usize, size in vector(10.0), away in unit(), radius in 0.0_f32..10.0,
+    ) {
+        let mut ndc = at;
+        ndc[edge / 2] = [-1.0, 1.0][edge % 2];
+        let point = clip_from_world.as_dmat4().inverse() * DVec3::new(ndc[0], ndc[1], depth).extend(1.0);
+        let corner = (point.truncate() / point.w).as_vec3();
+        let clip = clip_from_world * corner.extend(1.0);
+        let inside = clip.x.abs() <= clip.w && clip.y.abs() <= clip.w && 0.0 <= clip.z && clip.z <= clip.w;
+        if inside || sees(&clip_from_world, corner.as_dvec3()) {
+            let frustum = Frustum::new(&clip_from_world);
+            for sign in cube_corners() {
+                let other = corner + size.abs() * sign;
+                let bounds = Aabb { min: corner.min(other), max: corner.max(other) };
+                prop_assert!(!frustum.misses_aabb(&bounds), "{bounds:?}");
+            }
+            let center = corner + away * radius;
+            let holds = corner.as_dvec3().distance(center.as_dvec3()) <= f64::from(radius);
+            prop_assert!(!holds || !frustum.misses_sphere(center, radius), "{radius} m around {center}");
+        }
+    }
+
+    /// At the very edge of a light: what a shader finds lit, where its rounding puts a pixel of the box, is in the set.
+    #[test]
+    fn boxes_that_touch_a_light_are_not_missed(
+        light in light(), far in prop::sample::select(vec![0.0_f32, 100.0, 1e4]), outside in unit(), size in vector(4.0),
+        off in prop::sample::select(cube_corners().to_vec()),
+    ) {
+        let light = Light { position_world: light.position_world + far, ..light };
+        let source = light.position_world.as_dvec3();
+        // Where the light ends, from a place that it lights in a straight line to one that it does not.
+        let lit = source + light.direction_world.as_dvec3() * 1e-3;
+        let dark = source + outside.as_dvec3() * 1e3;
+        if lights(&light, lit) && !lights(&light, dark) {
+            let mut ends = [lit, dark];
+            for _ in 0..60 {
+                let middle = (ends[0] + ends[1]) * 0.5;
+                ends[usize::from(!lights(&light, middle))] = middle;
+            }
+            let corner = ends[0].as_vec3();
+            let rounding = corner.abs().max_element() * f32::EPSILON;
+            if lights(&light, (corner + off * rounding).as_dvec3()) {
+                for sign in cube_corners() {
+                    let other = corner + size.abs() * sign;
+                    let bounds = Aabb { min: corner.min(other), max: corner.max(other) };
+                    prop_assert!(!Reach::of(&light).misses_aabb(&bounds), "{light:?} {bounds:?}");
+                }
+            }
+        }
+    }
+
+    /// Shaders compare rounded numbers, and find a light to reach a little further than it does.
+    #[test]
+    fn reaches_hold_what_shaders_let_in(range_m in 0.01_f32..100.0, way in unit(), ulps in -4_i32..=4) {
+        let kind = LightKind::Point { intensity_cd: 1.0 };
+        let light = Light { range_m: Some(range_m), ..Light::new(kind) };
+        let place = way * f32::from_bits(range_m.to_bits().saturating_add_signed(ulps));
+        let Reach::Sphere { radius_m, .. } = Reach::of(&light) else { unreachable!() };
+        prop_assert!(!reaches(&light, place) || place.as_dvec3().length() <= f64::from(radius_m));
+    }
+}
+
+fn cube_corners() -> [Vec3; 8] {
+    [0, 1, 2, 3, 4, 5, 6, 7]
+        .map(|i: i32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0)
+}
+
+/// Any light that ends.
+fn light() -> impl Strategy<Value = Light> {
+    let numbers = (vector(10.0), unit(), 0..3, 0.1_f32..8.0, 0.01_f32..2.0, vector(5.0));
+    numbers.prop_map(|(position_world, direction_world, shape, range_m, outer_cone_rad, size_m)| {
+        let kind = match shape {
+            0 => LightKind::Point { intensity_cd: 1.0 },
+            1 => LightKind::Spot { intensity_cd: 1.0, inner_cone_rad: 0.0, outer_cone_rad },
+            _ => LightKind::Box { illuminance_lx: 1.0, size_m: size_m.abs(), falloff_m: 0.0 },
+        };
+        Light { position_world, range_m: Some(range_m), ..Light::new(kind) }.towards(direction_world)
+    })
+}
+
+/// Whether a shader finds that the light reaches the place, all in `f32`.
+pub(super) fn reaches(light: &Light, place: Vec3) -> bool {
+    let to_light = light.position_world - place;
+    if let LightKind::Box { size_m, .. } = light.kind {
+        let axes = [light.right_world(), light.up_world, light.direction_world];
+        return (0..3).all(|i| to_light.dot(axes[i]).abs() < 0.5 * size_m[i]);
+    }
+    let inverse_range = light.range_m.map_or(0.0, f32::recip);
+    let in_cone = match light.kind {
+        LightKind::Spot { outer_cone_rad, .. } => {
+            light.direction_world.dot(-to_light.normalize()) > outer_cone_rad.cos()
+        }
+        _ => true,
+    };
+    to_light.length_squared() * (inverse_range * inverse_range) < 1.0 && in_cone
+}
+
 /// Whether a light adds anything at a point.
 fn lights(light: &Light, point_world: DVec3) -> bool {
     let from_light = point_world - light.position_world.as_dvec3();

@@ -29,6 +29,16 @@ fn exr(red: f32) -> Vec<u8> {
     bytes.into_inner()
 }
 
+/// An OpenEXR file whose channels are B, G and Y.
+fn without_red() -> Vec<u8> {
+    let mut bytes = exr(1.0);
+    let list = bytes.windows(7).position(|w| w == b"chlist\0").unwrap() + 7 + 4;
+    // Each entry is a name with its end and 16 bytes.
+    assert_eq!(&bytes[list + 36..list + 38], b"R\0");
+    bytes[list + 36] = b'Y';
+    bytes
+}
+
 fn ktx2() -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("e.ktx2");
@@ -64,6 +74,26 @@ fn files_that_hold_no_radiance() {
         ("cut.ktx2", ktx2()[..500].to_vec(), "environment", "damaged KTX"),
         ("foreign.ktx2", foreign, "environment", "without the entry ontile"),
     ];
+    let radiance = |head: &str| [b"#?RADIANCE\n", head.as_bytes(), &[128; 32]].concat();
+    let rgbe = "FORMAT=32-bit_rle_rgbe\n\n";
+    let refused: Vec<(&str, Vec<u8>, &str, &str)> = vec![
+        ("flip.hdr", radiance(&format!("{rgbe}+Y 2 +X 4\n")), "+Y 2 +X 4", "rows from the top"),
+        ("words.hdr", radiance(&format!("{rgbe}-Y two +X four\n")), "-Y two +X four", "export"),
+        ("xyz.hdr", radiance("FORMAT=32-bit_rle_xyze\n\n-Y 2 +X 4\n"), "xyze", "in RGB"),
+        ("head.hdr", b"#?RADIANCE\nFORMAT=32".to_vec(), "cut off", "complete"),
+        ("zero.hdr", radiance(&format!("{rgbe}-Y 0 +X 0\n")), "no picture", "export"),
+        ("one.hdr", hdr(2, 1), "4 to 8192", "larger"),
+        ("wide.hdr", radiance(&format!("{rgbe}-Y 8192 +X 16384\n")), "4 to 8192", "scale the picture down"),
+        ("huge.hdr", radiance(&format!("{rgbe}-Y 4294967295 +X 8589934590\n")), "4 to 8192", "down"),
+        ("cut.hdr", hdr(64, 32)[..300].to_vec(), "cannot be decoded", "complete"),
+        ("grey.exr", without_red(), "rgb channels", "R, G and B"),
+        ("3e38.exr", exr(3e38), "at most 1e12 cd/m²", "clamp"),
+    ];
+    for (name, bytes, problem, remedy) in refused {
+        let message = Environment::load(&write(folder.path(), name, &bytes)).unwrap_err().to_string();
+        let (said, advice) = message.rsplit_once("; ").unwrap();
+        assert!(said.contains(problem) && advice.contains(remedy), "{name}: {message}");
+    }
     for (name, bytes, element, problem) in cases {
         let path = write(folder.path(), name, &bytes);
         let error = Environment::load(&path).expect_err(name);
@@ -112,6 +142,37 @@ fn a_missing_file_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = Gltf::triangle();
     *file.at("/scenes/0/extras") = json!({"ontile": {"environment": {"file": "no%20sky.hdr"}}});
-    let error = ontile::scene::Scene::load(&file.write_beside(folder.path(), "a.gltf")).unwrap_err();
-    assert!(error.to_string().contains("no sky.hdr: cannot read"), "{error}");
+    let load = |file: &Gltf| ontile::scene::Scene::load(&file.write_beside(folder.path(), "a.gltf"));
+    let place = "scenes[0].extras.ontile.environment";
+    expect_input_error("absent", load(&file), &format!("{place}.file"), "no sky.hdr: No such file");
+    write(folder.path(), "no sky.hdr", b"text");
+    expect_input_error(
+        "text",
+        load(&file),
+        &format!("{place}.file"),
+        "no sky.hdr: environment: is no picture",
+    );
+    write(folder.path(), "no sky.hdr", &exr(3.0));
+    assert!(load(&file).is_ok());
+    *file.at("/scenes/0/extras/ontile/environment/intensity") = json!(1e38);
+    expect_input_error("bright", load(&file), &format!("{place}.intensity"), "at most 1e12 cd/m²");
+}
+
+#[test]
+fn files_outside_the_folder_are_not_opened() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "sky.exr", &exr(1.0));
+    std::fs::create_dir(folder.path().join("scenes")).unwrap();
+    let load = |name: &str| {
+        let mut file = Gltf::triangle();
+        *file.at("/scenes/0/extras") = json!({"ontile": {"environment": {"file": name}}});
+        ontile::scene::Scene::load(&file.write_beside(&folder.path().join("scenes"), "a.gltf"))
+    };
+    for name in ["../sky.exr", "./a/../../sky.exr", "%2e%2e/sky.exr", "../scenes/../sky.exr"] {
+        let place = "scenes[0].extras.ontile.environment.file";
+        expect_input_error(name, load(name), place, "leaves the folder");
+    }
+    write(&folder.path().join("scenes"), "sky.exr", &exr(1.0));
+    load("./a/../sky.exr").expect_err("there is no folder a");
+    load("./sky.exr").unwrap();
 }

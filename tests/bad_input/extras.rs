@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::gltf_build::{Gltf, png};
+use crate::gltf_build::{Gltf, load_bytes, png};
 use crate::{expect_input_error, lit_by, set};
 
 /// A triangle with one texture, lit by one light.
@@ -182,6 +182,35 @@ fn probes() {
     expect_input_error("no axes", flat.load(), &format!("nodes[{node}]"), "leaves no axes");
     let mut missing = lit("point");
     set(&mut missing, "/nodes/0/extras", json!({"ontile": {"probe": room(|_| ())}}));
-    let error = missing.load().unwrap_err();
-    assert!(matches!(error, ontile::Error::Io { .. }) && error.to_string().contains("room.hdr"), "{error}");
+    expect_input_error(
+        "absent",
+        missing.load(),
+        "nodes[0].extras.ontile.probe.file",
+        "room.hdr: No such file",
+    );
+}
+
+/// JSON allows numbers that no float holds: they must not take what stands beside them away.
+#[test]
+fn numbers_that_are_too_large_are_told() {
+    let load = |pointer: &str, extras: Value| {
+        let mut file = lit("directional");
+        set(&mut file, pointer, extras);
+        let text = String::from_utf8(file.to_gltf()).unwrap();
+        load_bytes("a.gltf", text.replace("\"@1e999\"", "1e999").as_bytes())
+    };
+    for (place, extras) in [
+        ("nodes[0]", json!({"shadow": false, "priority": "@1e999"})),
+        ("nodes[0]", json!({"box": {"size": [1, "@1e999", 1]}})),
+        ("nodes[0]", json!({"shadows": false, "unknown": "@1e999"})),
+        ("scenes[0]", json!({"fog": "@1e999"})),
+    ] {
+        let pointer = format!("/{}/extras", place.replace('[', "/").replace(']', ""));
+        let got = load(&pointer, json!({"ontile": extras}));
+        expect_input_error(&extras.to_string(), got, &format!("{place}.extras.ontile"), "out of range");
+    }
+    let got = load("/extras", json!({"ontile": {"fog": "@1e999"}}));
+    expect_input_error("root", got, "extras.ontile", "belongs to a scene");
+    let others = load("/nodes/0/extras", json!({"weight": "@1e999", "ontile": {"shadow": false}})).unwrap();
+    assert!(others.lights[0].shadow.is_none(), "numbers of others are nobody's business");
 }

@@ -1,28 +1,17 @@
 //! Pictures of scenes on a device of the test's own.
 
 use super::ignored_unless_required;
-use ontile::gpu::{Device, Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
+use ontile::gpu::{
+    Device, Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
+};
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::{Load, Needs, Options, PassAttachment, Path, Plan};
+use ontile::plan::{Needs, Options, Plan};
 use ontile::scene::Scene;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 /// The name of Mesa's software rasteriser, which every machine can have.
 pub const LAVAPIPE: &str = "llvmpipe";
-
-/// What the checks of Arm and IMG say of a load, which is all that `separate` is there for.
-const LOADS: &str = "attachment-needs-readback";
-
-/// What they say of a pass that only clears, which is all that a scene of nothing needs.
-const ONLY_CLEARS: &str = "redundant-attachment-on-tile";
-
-/// What they say of many draws of few triangles: a draw for each light and small object is the way of multi-pass shading, and
-/// one for each tile and small caster that of shadow maps. (What can be drawn at once is.)
-pub const MANY_DRAWS: &str = "many-small-indexed-drawcalls";
-
-/// What it says, mistakenly, of a pass that clears no attachment but a stencil.
-const CLEARS_STENCIL: &str = "ClearValueWithoutLoadOpClear";
 
 /// A device to render on.
 pub struct Gpu<'a> {
@@ -84,22 +73,7 @@ impl Gpu<'_> {
     pub fn plan(&self, scene: &Scene, options: Options) -> Plan {
         let plan = Plan::new(Needs::of(scene), options, &self.device.caps().limits());
         let plan = plan.unwrap_or_else(|error| panic!("{}: {error}", scene.name));
-        if plan.passes.iter().flat_map(|p| &p.attachments).any(|a| a.load == Load::Load) {
-            self.excused.borrow_mut().insert(LOADS);
-        }
-        if plan.path == Path::ForwardMultipass || plan.shadow_map.is_some() {
-            self.excused.borrow_mut().insert(MANY_DRAWS);
-        }
-        let clears = |a: &PassAttachment| [a.load, a.stencil.0].map(|load| load == Load::Clear);
-        let only_stencil = |attachments: &[PassAttachment]| {
-            attachments.iter().any(|a| clears(a)[1]) && !attachments.iter().any(|a| clears(a)[0])
-        };
-        if plan.passes.iter().any(|p| only_stencil(&p.attachments)) {
-            self.excused.borrow_mut().insert(CLEARS_STENCIL);
-        }
-        if plan.pipelines.is_empty() {
-            self.excused.borrow_mut().insert(ONLY_CLEARS);
-        }
+        self.excused.borrow_mut().extend(expected_advice(&plan));
         plan
     }
 

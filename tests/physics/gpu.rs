@@ -115,7 +115,6 @@ impl Gpu {
 
     fn frame(&self, scene: &Scene, camera: &Camera, ask: Ask, options: Options) -> (Offscreen, Settings) {
         let device = self.host.device();
-        let layout = options.layout;
         let plan =
             Plan::new(Needs::of(scene), options, &device.caps().limits()).expect("the scene can be planned");
         let light_target = plan.has_light_target();
@@ -125,7 +124,7 @@ impl Gpu {
             tonemap: ask.tonemap,
             layout: None,
             light_target,
-            light_scale: if light_target { f64::from(layout.light_scale()) } else { 1.0 },
+            light_scale: f64::from(plan.light_scale()),
             around: Method::Prefiltered(plan.options.environment_format),
             lightmap: Some(plan.options.lightmap_format),
             ..Settings::default()

@@ -5,7 +5,7 @@ use super::super::shader::{
     SkyConstants, Specialization, TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{LightWay, Pipeline, Plan, SurfaceKind, VolumeShape};
+use crate::plan::{Pipeline, Plan, SurfaceKind, VolumeShape};
 
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
 /// are specialised with.
@@ -59,7 +59,7 @@ fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingConstants {
         shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
         fold: plan.folded,
     };
-    let one_by_one = matches!(plan.light_way, LightWay::Volumes | LightWay::Stencil);
+    let one_by_one = plan.light_way.is_one_by_one();
     match pipeline {
         Pipeline::Lighting if one_by_one => all.only_global(),
         Pipeline::LightVolume(_) => all.one_local(),

@@ -2,7 +2,7 @@
 //!
 //! | `extras.ontile` of | | value | without it |
 //! |---|---|---|---|
-//! | `scenes[i]` | `environment` | `{"file": "sky.hdr", "rotation": degrees, "intensity": number}`: a file beside the glTF file ([`Environment::load`]), turned about +Y, brighter or darker | none; rotation 0, intensity 1 |
+//! | `scenes[i]` | `environment` | `{"file": "sky.hdr", "rotation": degrees, "intensity": number}`: a file in the folder of the glTF file or below ([`Environment::load`]), turned about +Y, brighter or darker | none; rotation 0, intensity 1 |
 //! | `nodes[i]` | `probe` | `{"size": [x, y, z], "falloff": number, "file": "room.hdr", "rotation": degrees, "intensity": number}`: metres along the node's axes, its scale ignored ([`Probe`]); the file is what is seen from the node, along those axes | none; falloff 0, rotation 0, intensity 1 |
 
 use glam::{DMat3, DQuat, Vec3};
@@ -11,8 +11,8 @@ use super::document::Document;
 use super::extras::{Extra, Extras};
 use super::node::NodeTree;
 use super::{node, source};
-use crate::Result;
 use crate::scene::{Environment, Probe};
+use crate::{Error, Result};
 
 /// The environment of the scene that is drawn.
 pub fn read_environment(doc: &Document) -> Result<Option<Environment>> {
@@ -61,7 +61,21 @@ fn load(extra: &Extra, values: &Extras) -> Result<Environment> {
     let Some(file) = values.get("file") else {
         return Err(extra.bad("has no file", "name an .hdr, .exr or .ktx2 file beside this one"));
     };
-    let path = source::beside(extra.doc().path, file.text()?)
+    let path = source::below(extra.doc().path, file.text()?)
         .map_err(|problem| file.bad(problem, "put the file beside the glTF file"))?;
-    Ok(Environment { rotation_deg, intensity, ..Environment::load(&path)? })
+    let read = Environment::load(&path).map_err(|error| match error {
+        Error::Io { path, source, .. } => {
+            let problem = format!("cannot read {}: {source}", path.display());
+            file.bad(problem, "put the file there, or correct the name")
+        }
+        Error::Input { path, element, problem, remedy } => {
+            file.bad(format!("{}: {element}: {problem}", path.display()), remedy)
+        }
+        other => other,
+    })?;
+    let environment = Environment { rotation_deg, intensity, ..read };
+    match environment.too_bright() {
+        None => Ok(environment),
+        Some(problem) => Err(values.get("intensity").unwrap_or(extra).bad(problem, "lower the intensity")),
+    }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use gltf::json;
+use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 
 use super::document::Document;
@@ -28,8 +29,14 @@ pub const OF_SCENES: [&str; 4] = ["environment", "background", "fog", "lightmap"
 
 /// Whether there is anything for this program in these.
 pub fn is_ours(extras: &json::Extras) -> bool {
-    let parsed: Option<Value> = extras.as_deref().and_then(|raw| serde_json::from_str(raw.get()).ok());
-    parsed.is_some_and(|all| all.get("ontile").is_some())
+    ours(extras).is_some()
+}
+
+/// The member `ontile` as it is written. What else is there is nobody's business, also where it is JSON that no [`Value`] can hold.
+fn ours(extras: &json::Extras) -> Option<Box<RawValue>> {
+    let all: Option<BTreeMap<String, Box<RawValue>>> =
+        extras.as_deref().and_then(|raw| serde_json::from_str(raw.get()).ok());
+    all?.remove("ontile")
 }
 
 /// The members of an object that are known to be meant for this program.
@@ -49,14 +56,16 @@ impl<'a> Extras<'a> {
     /// anything, so what is no object, or has no `ontile`, counts as empty.
     ///
     /// # Errors
-    /// [`Error::Input`] if `ontile` is no object, or has members that are not in `known`.
+    /// [`Error::Input`] if `ontile` is no object, has members that are not in `known`, or numbers that f64 cannot hold.
     pub fn read(doc: &'a Document, elements: &[(&json::Extras, String)], known: &[&str]) -> Result<Self> {
         let mut members = BTreeMap::new();
         for (extras, element) in elements {
-            let parsed = extras.as_deref().and_then(|raw| serde_json::from_str(raw.get()).ok());
-            let Some(Value::Object(mut all)) = parsed else { continue };
-            let Some(value) = all.remove("ontile") else { continue };
+            let Some(raw) = ours(extras) else { continue };
             let element = format!("{element}.extras.ontile");
+            let value = serde_json::from_str(raw.get()).map_err(|e| {
+                let problem = format!("cannot be parsed: {e} of it");
+                doc.bad(&element, problem, "correct the value there, or remove it")
+            })?;
             members.extend(Extra { doc, element, value }.object(known)?.members);
         }
         Ok(Self { members })

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use base64::Engine;
 use base64::alphabet;
@@ -116,6 +116,21 @@ fn decode_data_uri(rest: &str) -> Result<Vec<u8>, String> {
     } else {
         Ok(content)
     }
+}
+
+/// As [`beside`], of a file in the folder of `path` or below: files that only this program reads have no reason to be elsewhere,
+/// while glTF allows `../` for buffers and images.
+pub fn below(path: &Path, uri: &str) -> Result<PathBuf, String> {
+    let file = beside(path, uri)?;
+    let within = file.strip_prefix(path.parent().unwrap_or(Path::new(""))).unwrap_or(&file);
+    let mut depth = 0_i64;
+    for part in within.components() {
+        depth += if part == Component::ParentDir { -1 } else { i64::from(part != Component::CurDir) };
+        if depth < 0 {
+            return Err(format!("'{}' leaves the folder of the glTF file", shortened(uri)));
+        }
+    }
+    Ok(file)
 }
 
 /// The file that a relative URI names.

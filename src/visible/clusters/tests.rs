@@ -3,6 +3,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::scene::{Light, LightKind, Projection};
+use crate::visible::tests::reaches;
 
 prop_compose! {
     fn cameras()(
@@ -50,23 +51,6 @@ prop_compose! {
             Light { position_world: place.into(), range_m, ..Light::new(kind).towards(way) }
         }).collect()
     }
-}
-
-/// Whether a shader finds that the light reaches the place, all in `f32`.
-fn reaches(light: &Light, place: Vec3) -> bool {
-    let to_light = light.position_world - place;
-    if let LightKind::Box { size_m, .. } = light.kind {
-        let axes = [light.right_world(), light.up_world, light.direction_world];
-        return (0..3).all(|i| to_light.dot(axes[i]).abs() < 0.5 * size_m[i]);
-    }
-    let inverse_range = light.range_m.map_or(0.0, f32::recip);
-    let in_cone = match light.kind {
-        LightKind::Spot { outer_cone_rad, .. } => {
-            light.direction_world.dot(-to_light.normalize()) > outer_cone_rad.cos()
-        }
-        _ => true,
-    };
-    to_light.length_squared() * (inverse_range * inverse_range) < 1.0 && in_cone
 }
 
 /// The middle of a pixel at a distance along the view axis, as shaders compute it.
@@ -139,6 +123,92 @@ proptest! {
                 prop_assert!(!reaches(light, place) || list.contains(&index),
                     "{light:?} reaches {place} at pixel {pixel:?}, {distance} m: not in {list:?}, {:?}", clusters.grid());
             }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Far from the world's origin a shader rounds a pixel's place by more than its distance from the next cell.
+    #[test]
+    fn a_light_at_a_rounded_place_is_in_the_list_of_its_pixel(
+        mut camera in cameras(), far in vec_of(1e5), pixel in [0..1920_u32, 0..1080_u32], depth in 0.0..1.0_f32,
+        range_m in 1e-5..1e-3_f32,
+    ) {
+        const SIZE: [u32; 2] = [1920, 1080];
+        camera.world_from_view.w_axis += far.extend(0.0);
+        let [near, far] = depths(&camera);
+        let distance = near + depth * (far - near).min(2.0);
+        let place = place_of(&camera, SIZE, pixel, distance);
+        let mut clusters = Clusters::new(1);
+        clusters.build(&camera, SIZE, 0, &[Reach::Sphere { center_world: place, radius_m: range_m }]);
+        prop_assert_eq!(clusters.lights_of(clusters.grid().cell(pixel, distance)), [0]);
+    }
+}
+
+fn vec_of(size: f32) -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(-size..size).prop_map(Vec3::from_array)
+}
+
+/// What a shader may make of a distance: logarithms are off by 3 units in the last place, within 0.5 to 2 by 2^-21 (Vulkan
+/// specification, "Precision and Operation of SPIR-V Instructions"), and sums are fused or not.
+fn slices_of(grid: &Grid, distance: f32) -> impl Iterator<Item = u32> {
+    const LOG2_ULPS: f64 = 3.0;
+    const LOG2_NEAR_1: f64 = 1.0 / (1 << 21) as f64;
+    let measure = match grid.logarithmic {
+        true => f64::from(distance).log2(),
+        false => f64::from(distance),
+    };
+    let off = match grid.logarithmic {
+        true => (LOG2_ULPS * f64::from(f32::EPSILON) * measure.abs()).max(LOG2_NEAR_1),
+        false => 0.0,
+    };
+    let Grid { slice_scale, slice_bias, slices, .. } = *grid;
+    [-off, 0.0, off].into_iter().flat_map(move |off| {
+        let measure = (measure + off) as f32;
+        let sums = [measure * slice_scale + slice_bias, measure.mul_add(slice_scale, slice_bias)];
+        sums.map(|sum| (sum as u32).min(slices - 1))
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn slices_hold_what_shaders_put_in_them(
+        camera in cameras(), size in [1..2000_u32, 1..2000_u32], nearest in 0.01..5.0_f32, thick in 1.0..1000.0_f32,
+    ) {
+        const ULPS: i32 = 40;
+        let grid = Grid::new(&camera, size, [nearest, nearest + thick]);
+        let mut planes = Planes::with_room();
+        planes.set(&grid, &camera, size);
+        for &begin in &planes.slices[1..planes.slices.len() - 1] {
+            for ulps in -ULPS..=ULPS {
+                let distance = f32::from_bits(begin.to_bits().saturating_add_signed(ulps)).max(planes.slices[0]);
+                for slice in slices_of(&grid, distance) {
+                    let [near, far] = planes.slice(slice);
+                    prop_assert!((near..=far).contains(&distance), "{distance} m in slice {slice}, {near} to {far} m");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn coarser_grids_span_the_same(
+        camera in cameras(), size in [1..2000_u32, 1..2000_u32], nearest in 0.01..5.0_f32, thick in 1.0..1000.0_f32,
+    ) {
+        const MOST_OFF: f32 = 1e-4;
+        let mut grid = Grid::new(&camera, size, [nearest, nearest + thick]);
+        let ends = |grid: &Grid| [0, grid.slices].map(|s| (s as f32 - grid.slice_bias) / grid.slice_scale);
+        let (before, cut) = (ends(&grid), grid.slice_scale > 0.0);
+        while grid.cell_count() > 1 {
+            let Grid { tile_shift, slices, .. } = grid;
+            grid.coarsen(size);
+            prop_assert_eq!((grid.tile_shift, grid.slices), (tile_shift + 1, slices.div_ceil(2)));
+            prop_assert_eq!([grid.columns, grid.rows], size.map(|pixels| pixels.div_ceil(1 << grid.tile_shift)));
+            let off = |i: usize| (ends(&grid)[i] - before[i]).abs() / before[i].abs().max(1.0);
+            prop_assert!(!cut || off(0).max(off(1)) < MOST_OFF, "{before:?} became {:?}", ends(&grid));
         }
     }
 }
