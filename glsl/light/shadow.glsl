@@ -77,6 +77,10 @@ float shadow_filtered(ShadowView view, vec4 p) {
 // perspective view theta is the angle to the view's axis, along which depths are compared: with p = w (u a + v b + axis), a
 // plane n . p = k has dw/du = -w (n . a) / (n . p / w), and moving it by d changes w by d / (n . p / w). What is moved towards
 // the light covers rounding where theta is 0.
+//
+// That is for a plane and for edges that fall away from the light. Where another surface rises towards the light from an edge
+// beside the receiver, it is nearer by its own slope times the distance: casters are pushed by that (ShadowView in
+// src/visible).
 vec3 shadow_receiver(ShadowView view, float texel_m, vec3 axis, vec3 position, vec3 normal, vec3 to_light) {
     float cosine = dot(normal, axis);
     float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
@@ -97,27 +101,29 @@ uint shadow_face(vec3 from_light) {
     return face + (side < 0.0 ? 1u : 0u);
 }
 
+// The receiver's place in a view's map, homogeneous.
+vec4 shadow_place(ShadowView view, vec3 position, vec3 normal, vec3 to_light) {
+    vec4 row_w = shadow_row_w(view);
+    float texel_m = view.texel_m * dot(row_w, vec4(position, 1.0));
+    vec3 axis = row_w.xyz == vec3(0.0) ? to_light : row_w.xyz;
+    vec3 receiver = shadow_receiver(view, texel_m, axis, position, normal, to_light);
+    return view.map_from_world * vec4(receiver, 1.0);
+}
+
 // 0 in shadow to 1 in full light, for a light with a shadow. All in world space; `to_light` has unit length.
 float shadow(uint light_shadow, vec3 light_position, vec3 position, vec3 normal, vec3 to_light) {
     uint first = (light_shadow & ((1u << SHADOW_COUNT_SHIFT) - 1u)) - 1u;
     uint count = light_shadow >> SHADOW_COUNT_SHIFT;
     if (count == SHADOW_FACES) {
-        // Moving the receiver may take it to another face, but not far from this one's edge.
+        // Where the moved receiver is on another face, it is within this one's guard: another face's axis would have asked
+        // for another offset.
         ShadowView view = shadow_views.list[first + shadow_face(position - light_position)];
-        vec4 row_w = shadow_row_w(view);
-        float texel_m = view.texel_m * dot(row_w, vec4(position, 1.0));
-        position = shadow_receiver(view, texel_m, row_w.xyz, position, normal, to_light);
-        view = shadow_views.list[first + shadow_face(position - light_position)];
-        return shadow_filtered(view, view.map_from_world * vec4(position, 1.0));
+        return shadow_filtered(view, shadow_place(view, position, normal, to_light));
     }
     // The finest view that holds the place and what filters read around it; a light of one view shines within it only.
     for (uint i = first; i < first + count; ++i) {
         ShadowView view = shadow_views.list[i];
-        vec4 row_w = shadow_row_w(view);
-        float texel_m = view.texel_m * dot(row_w, vec4(position, 1.0));
-        vec3 axis = row_w.xyz == vec3(0.0) ? to_light : row_w.xyz;
-        vec3 receiver = shadow_receiver(view, texel_m, axis, position, normal, to_light);
-        vec4 p = view.map_from_world * vec4(receiver, 1.0);
+        vec4 p = shadow_place(view, position, normal, to_light);
         vec2 reach = (view.spread_texels + 1.0) / vec2(textureSize(shadow_map, 0));
         bool inside = p.w > 0.0 && all(greaterThan(p.xy, (view.tile.xy + reach) * p.w))
             && all(lessThan(p.xy, (view.tile.zw - reach) * p.w));

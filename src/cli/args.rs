@@ -117,10 +117,10 @@ pub struct PlanArgs {
     /// How the shadow map stores depth; auto: in 16 bits where all light is parallel, in 32 where lamps cast shadows
     #[arg(long, value_name = "NAME", default_value_t = ShadowFormat::Auto, value_parser = named(ShadowFormat::ALL, ShadowFormat::name))]
     pub shadow_format: ShadowFormat,
-    /// Side of the shadow map at most, in texels; lights that do not fit get less of it, the least important first
+    /// Side of the shadow map at most, 128 to 16384 texels; lights that do not fit get less of it, the least important first
     #[arg(long, value_name = "TEXELS", default_value_t = 4096)]
     pub shadow_map: u32,
-    /// Side of a light's part of it; a point light has six of half the side [default: a texel a pixel]
+    /// Side of a light's part of it, from 128 texels; a point light has six of half the side [default: a texel a pixel]
     #[arg(long, value_name = "TEXELS")]
     pub shadow_tile: Option<u32>,
     /// Cascades of a directional light at most

@@ -49,5 +49,6 @@ pub fn run(args: &PlanCommandArgs) -> ontile::Result<()> {
     // No device is asked: the picture's size is its only limit that may go beyond the guaranteed ones.
     let limits = Limits { max_image_size: u32::MAX, ..Limits::default() };
     let plan = Plan::new(Needs::of(&scene), args.plan.options(OutputFormat::Rgba8Srgb), &limits)?;
+    plan.warnings.iter().for_each(|warning| print::warning(warning));
     print::value(&Printed { report: plan.report(&scene), plan }, args.json)
 }

@@ -1,5 +1,6 @@
 //! What no plan can be made of.
 
+use super::shadow::{LEAST_TEXELS, MOST_TEXELS};
 use super::{Limits, Options, Pass};
 
 /// # Errors
@@ -26,6 +27,23 @@ pub(super) fn check_dither(options: &Options) -> crate::Result<()> {
         ));
     }
     Ok(())
+}
+
+/// A range that sides of shadow maps and their tiles have to be in, whether or not the scene has shadows.
+pub(super) fn check_shadows(options: &Options) -> crate::Result<()> {
+    let shadows = &options.shadows;
+    let check = |what: &str, texels: u32, most: u32| {
+        if (LEAST_TEXELS..=most).contains(&texels) {
+            return Ok(());
+        }
+        Err(crate::Error::unsupported(
+            format!("{what} cannot have a side of {texels} texels"),
+            format!("choose from {LEAST_TEXELS} to {most}; powers of two are used whole"),
+        ))
+    };
+    check("a shadow map (--shadow-map)", shadows.most_texels, MOST_TEXELS)?;
+    let tile = |texels| check("a tile of this shadow map (--shadow-tile)", texels, shadows.most_texels);
+    shadows.tile_texels.map_or(Ok(()), tile)
 }
 
 pub(super) fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) -> crate::Result<()> {

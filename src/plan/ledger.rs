@@ -98,10 +98,17 @@ pub struct Totals {
     pub loaded_bytes_per_pixel: Figure,
     /// Attachment bytes stored to memory, a pixel.
     pub stored_bytes_per_pixel: Figure,
-    /// Render passes.
+    /// Render passes, beside those of shadow tiles.
     pub passes: usize,
     /// Subpasses in all passes.
     pub subpasses: usize,
+    /// Render passes before these when all tiles of the shadow map are drawn, as in the first frame: one a tile. Later frames
+    /// draw those that have changed.
+    pub shadow_tile_passes: usize,
+    /// Bytes that these store, in all and not a pixel; nothing is loaded.
+    pub shadow_stored_bytes: Figure,
+    /// Bytes of memory of the shadow map, the static one included.
+    pub shadow_bytes: Figure,
 }
 
 /// What only a device can tell.
@@ -163,7 +170,7 @@ pub struct Report {
     pub verdicts: Vec<Verdict>,
     /// Decisions that a reader may wonder about.
     pub notes: Vec<String>,
-    /// What the scene's loader left out or changed.
+    /// What the scene's loader left out or changed, and what the plan did.
     pub warnings: Vec<String>,
     /// Only after a frame was drawn.
     pub device: Option<DeviceFigures>,
@@ -197,6 +204,9 @@ impl Plan {
                 lazily_allocated: None,
                 why: a.why.clone(),
             });
+        let shadow_map = self.shadow_map.as_ref().map(|map| map.report(self.options.shadows.filter));
+        let [shadow_stored_bytes, shadow_bytes] =
+            shadow_map.as_ref().map_or([Figure::planned(0); 2], |map| [map.stored_bytes, map.bytes]);
         Report {
             schema: "ontile-report-1",
             scene: scene.name.clone(),
@@ -204,7 +214,7 @@ impl Plan {
             needs: self.needs.clone(),
             attachments: attachments.collect(),
             passes: self.passes.iter().map(|p| self.pass_report(p)).collect(),
-            shadow_map: self.shadow_map.as_ref().map(|map| map.report(self.options.shadows.filter)),
+            shadow_map,
             pipelines: self.pipelines.iter().map(|(_, p)| self.pipeline_text(p)).collect(),
             clusters: self.clusters,
             totals: Totals {
@@ -212,10 +222,13 @@ impl Plan {
                 stored_bytes_per_pixel: sum(1),
                 passes: self.passes.len(),
                 subpasses: self.stage_count(),
+                shadow_tile_passes: self.shadow_map.as_ref().map_or(0, |map| map.tiles.len()),
+                shadow_stored_bytes,
+                shadow_bytes,
             },
             verdicts: verdicts(self),
             notes: self.notes.clone(),
-            warnings: scene.warnings.clone(),
+            warnings: scene.warnings.iter().chain(&self.warnings).cloned().collect(),
             device: None,
         }
     }

@@ -29,7 +29,7 @@ mod stage;
 mod tests;
 
 pub(crate) use check::check_size;
-use check::{check_counts, check_dither};
+use check::{check_counts, check_dither, check_shadows};
 
 pub use access::{Access, Scope, State};
 pub use around::{Around, AroundImage, EnvironmentNeed};
@@ -49,7 +49,7 @@ pub use options::{
     Strategy, Tonemap,
 };
 pub use shadow::{
-    CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, spread_texels,
+    CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, bias_texels, spread_texels,
 };
 pub(crate) use shadow_report::planned_bytes;
 pub use shadow_report::{ShadowFigures, ShadowLightReport, ShadowMapReport};
@@ -289,6 +289,8 @@ pub struct Plan {
     pub shadow_map: Option<ShadowMap>,
     /// Decisions that a reader may wonder about.
     pub notes: Vec<String>,
+    /// What the options or the limits leave out of what the scene asks for; the program tells them.
+    pub warnings: Vec<String>,
 }
 
 impl Plan {
@@ -300,6 +302,7 @@ impl Plan {
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
         check_size(options.size, limits)?;
         check_dither(&options)?;
+        check_shadows(&options)?;
         around::check(&needs)?;
         let (path, path_why) = path::resolve(&needs, &options, limits)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
@@ -308,7 +311,7 @@ impl Plan {
         let passes = derive::passes(&frame, &places, &options);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
         check_counts(&passes, &options, limits)?;
-        let (shadow_map, shadow_notes) = ShadowMap::new(&needs.shadows, &options, limits);
+        let (shadow_map, shadows_told) = ShadowMap::new(&needs.shadows, &options, limits);
         let around = around::images(&needs, &options);
         let pipelines = pipelines(&frame, &needs, light_way);
         let folded = frame.folded;
@@ -316,7 +319,7 @@ impl Plan {
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
-        notes.extend(shadow_notes);
+        notes.extend(shadows_told.notes);
         Ok(Self {
             options,
             needs,
@@ -330,6 +333,7 @@ impl Plan {
             clusters,
             shadow_map,
             notes,
+            warnings: shadows_told.warnings,
         })
     }
 

@@ -181,9 +181,11 @@ pub struct ShadowOptions {
     pub filter: ShadowFilter,
     /// Of the map.
     pub format: ShadowFormat,
-    /// The longest side that the map may have, texels; it has no more than its tiles need.
+    /// The longest side that the map may have, 128 to 16384 texels, rounded down to a power of two; it has no more than its
+    /// tiles need.
     pub most_texels: u32,
-    /// Side of a directional, box or spot light's tiles, texels; a point light's have half of it. `None`: a texel a pixel
+    /// Side of a directional, box or spot light's tiles, from 128 texels to the map's side, rounded down to a power of two; a
+    /// point light's have half of it. `None`: a texel a pixel
     /// if a tile fills the picture.
     pub tile_texels: Option<u32>,
     /// Cascades of a directional light at most.

@@ -202,6 +202,15 @@ impl Plan {
             count(self.passes.len(), "render pass", "es"),
             count(self.stage_count(), "subpass", "es")
         )?;
+        if let Some(map) = &self.shadow_map {
+            let stored: u64 = (0..map.tiles.len()).map(|tile| map.tile_bytes(tile)).sum();
+            writeln!(
+                f,
+                "  shadows: before them up to {}, which store {stored} bytes in all, of {} bytes of memory",
+                count(map.tiles.len(), "tile pass", "es"),
+                map.bytes()
+            )?;
+        }
         writeln!(f, "\ntilers (modelled):")?;
         for v in verdicts(self) {
             writeln!(

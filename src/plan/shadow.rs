@@ -127,8 +127,7 @@ impl ShadowNeeds {
                 light,
                 name: scene.lights[light].name.clone(),
                 shape,
-                guard_texels: scene.lights[light].shadow.map_or(0.0, spread_texels).ceil() as u32
-                    + ShadowMap::FILTER_MARGIN,
+                guard_texels: scene.lights[light].shadow.map_or(0, guard_texels),
                 dynamic: scene.lights[light].dynamic,
             })
             .collect();
@@ -189,7 +188,10 @@ pub struct ShadowMap {
 }
 
 /// Smaller tiles are not worth their draw calls.
-const LEAST_TEXELS: u32 = 128;
+pub(super) const LEAST_TEXELS: u32 = 128;
+
+/// A map of this side is a GiB of 32 bits: nobody means more.
+pub(super) const MOST_TEXELS: u32 = 16384;
 
 /// Without a choice of the user's, tiles have at most this side: larger ones cost more than they show.
 const MOST_DEFAULT_TEXELS: u32 = 2048;
@@ -198,8 +200,7 @@ impl ShadowMap {
     /// Filters read this much beyond their radius: the texel that holds a sample's place, and one for rounding.
     pub const FILTER_MARGIN: u32 = 2;
 
-    /// Gives each light its tiles; `None` if no light casts shadows. Second are notes on lights that got less than they
-    /// asked for.
+    /// Gives each light its tiles; `None` if no light casts shadows. Second is what that leaves out.
     ///
     /// A map as large as allowed that is still too small is shared out by importance: sides are halved, those of the least
     /// important lights first, each light's once before any light's twice; when all are as small as can be, the least
@@ -208,9 +209,8 @@ impl ShadowMap {
         needs: &ShadowNeeds,
         options: &Options,
         limits: &Limits,
-    ) -> (Option<Self>, Vec<String>) {
-        let most =
-            floor_power_of_two(options.shadows.most_texels.min(limits.max_image_size)).max(LEAST_TEXELS);
+    ) -> (Option<Self>, ShadowsTold) {
+        let most = floor_power_of_two(options.shadows.most_texels.min(limits.max_image_size));
         let wanted: Vec<Ask> = needs.lights.iter().map(|need| Ask::new(need, options, most)).collect();
         let mut granted = wanted.clone();
         let area = |asks: &[Ask]| asks.iter().map(Ask::area).sum::<u64>();
@@ -223,23 +223,23 @@ impl ShadowMap {
                 None => granted.iter_mut().rfind(|ask| ask.views > 0).expect("the area is not 0").views = 0,
             }
         }
-        let notes =
-            needs.lights.iter().zip(wanted.iter().zip(&granted)).filter_map(|(need, (wanted, granted))| {
-                let map = format!("the shadow map of {most}x{most} texels is full");
-                match granted.views {
-                    0 => Some(format!("{map}: light '{}' casts no shadow", need.name)),
-                    _ if granted.texels < wanted.texels => Some(format!(
-                        "{map}: light '{}' has tiles of {} texels instead of {}",
-                        need.name, granted.texels, wanted.texels
-                    )),
-                    _ => None,
-                }
-            });
-        let notes = notes.collect();
-        if granted.iter().all(|ask| ask.views == 0) {
-            return (None, notes);
+        let (mut warnings, mut notes) = (Vec::new(), Vec::new());
+        for (need, (wanted, granted)) in needs.lights.iter().zip(wanted.iter().zip(&granted)) {
+            let map = format!("the shadow map of {most}x{most} texels is full");
+            if granted.views == 0 {
+                warnings.push(format!("{map}: light '{}' casts no shadow", need.name));
+            } else if granted.texels < wanted.texels {
+                notes.push(format!(
+                    "{map}: light '{}' has tiles of {} texels instead of {}",
+                    need.name, granted.texels, wanted.texels
+                ));
+            }
         }
-        (Some(Self::place(needs, options, &granted)), notes)
+        let told = ShadowsTold { warnings, notes };
+        if granted.iter().all(|ask| ask.views == 0) {
+            return (None, told);
+        }
+        (Some(Self::place(needs, options, &granted)), told)
     }
 
     /// Tiles of powers of two in order of size along a Z curve leave no gap between them.
@@ -310,6 +310,14 @@ impl ShadowMap {
     }
 }
 
+/// What a reader should know of a map that is too small.
+pub(super) struct ShadowsTold {
+    /// Lights that cast no shadow.
+    pub(super) warnings: Vec<String>,
+    /// Lights that got less than they asked for.
+    pub(super) notes: Vec<String>,
+}
+
 /// What a light asks for.
 #[derive(Clone, Copy)]
 struct Ask {
@@ -349,6 +357,19 @@ fn floor_power_of_two(n: u32) -> u32 {
 fn z_curve(n: u64) -> [u32; 2] {
     let gather = |n: u64| (0..32).fold(0, |all, bit| all | ((n >> (2 * bit) & 1) as u32) << bit);
     [gather(n), gather(n >> 1)]
+}
+
+/// The filter's radius, and how far receivers are moved: by the distance to the radius' corner, and the bias. They leave a view
+/// by no more: at most sin(theta) * (sin(theta) + cos(theta)) of that, with theta up to 45 degrees at the edge of a cube's face.
+fn guard_texels(shadow: Shadow) -> u32 {
+    let spread = spread_texels(shadow);
+    let reach = spread + spread * std::f32::consts::SQRT_2 + bias_texels(shadow);
+    reach.ceil() as u32 + ShadowMap::FILTER_MARGIN
+}
+
+/// Texels by which a light's shadow is moved, beside its filter's.
+pub fn bias_texels(shadow: Shadow) -> f32 {
+    shadow.bias_texels.clamp(0.0, Shadow::MOST_BIAS_TEXELS)
 }
 
 /// Texels over which a light's filter reaches.

@@ -91,8 +91,10 @@ pub struct Shadow {
 }
 
 impl Shadow {
-    /// Wider filters are narrowed to this radius, texels.
+    /// Wider filters are narrowed to this radius, texels; files may not ask for them.
     pub const MOST_SPREAD_TEXELS: f32 = 12.0;
+    /// Receivers are moved by no more, texels; files may not ask for it.
+    pub const MOST_BIAS_TEXELS: f32 = 64.0;
 }
 
 impl Default for Shadow {

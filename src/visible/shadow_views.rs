@@ -84,6 +84,13 @@ pub struct ShadowView {
     /// How wide a texel is in metres, at w = 1 of clip space: parallel views have it everywhere, perspective ones at a
     /// metre from the light.
     pub texel_m: f32,
+    /// How far casters are pushed away from the light, in texels: by as much as their depth changes over so many along x
+    /// or y, whichever changes it more.
+    ///
+    /// A filter compares a receiver with texels around it. Where another surface rises towards the light from an edge beside
+    /// the receiver, they are nearer by that surface's slope times their distance: pushed by as much, it darkens nothing
+    /// that rays from the light reach. What is thinner lets light past where it meets other surfaces.
+    pub slope_texels: f32,
     /// Whether what is in front of the near plane is drawn upon it, because it casts shadows too. Parallel views only.
     pub pancaked: bool,
     /// The light's place and how far it reaches, metres: what is farther away casts no shadow. `None`: no end.
@@ -140,7 +147,13 @@ impl ShadowView {
             row(2, z, 0.5 - place.z * z),
             DVec4::W,
         ];
-        Self { clip_from_world: from_rows(rows), texel_m: texel_m as f32, pancaked, reach: None }
+        Self {
+            clip_from_world: from_rows(rows),
+            texel_m: texel_m as f32,
+            slope_texels: 0.0,
+            pancaked,
+            reach: None,
+        }
     }
 
     /// A spot light's.
@@ -168,7 +181,7 @@ impl ShadowView {
             [row(frame.x_axis / half), row(-frame.y_axis / half), DVec4::W * NEAR_M, row(-frame.z_axis)];
         let texel_m = (2.0 * half / tile.side()) as f32;
         let reach = light.range_m.map(|range| (light.position_world, range));
-        Self { clip_from_world: from_rows(rows), texel_m, pancaked: false, reach }
+        Self { clip_from_world: from_rows(rows), texel_m, slope_texels: 0.0, pancaked: false, reach }
     }
 
     /// What can cast a shadow in this view.

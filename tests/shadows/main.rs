@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod corners;
 mod kept;
 mod pool;
 mod rays;

@@ -9,7 +9,7 @@ use ontile::plan::{Options, Path, ShadowFilter, ShadowFormat, Tonemap};
 use ontile::reference::{self, Frame, Settings};
 use ontile::scene::{LightKind, Scene};
 
-fn light_of(picture: &Picture) -> Vec<DVec3> {
+pub fn light_of(picture: &Picture) -> Vec<DVec3> {
     let Pixels::Rgba32F(values) = &picture.pixels else { panic!("a float picture was asked for") };
     let pixel = |p: &[f32]| DVec3::new(f64::from(p[0]), f64::from(p[1]), f64::from(p[2]));
     values.chunks_exact(4).map(pixel).collect()
@@ -81,7 +81,7 @@ impl Disagreement {
     }
 }
 
-fn expected(scene: &Scene) -> Frame {
+pub fn expected(scene: &Scene) -> Frame {
     let settings = Settings { size: SIZE, tonemap: Tonemap::Linear, ..Settings::default() };
     reference::render(scene, &scene.cameras[0], &settings)
 }

@@ -6,6 +6,7 @@ use super::super::scene_data::SceneData;
 use super::super::shared::{InstanceData, ShadowPush, ShadowViewData};
 use super::super::{Image, IndexWidth, Owned, Recorder, View};
 use super::casters::{Batch, Which};
+use super::pipelines::CONSTANT_BIAS;
 use super::static_map::StaticMap;
 use super::tiles::{Chosen, How};
 use super::{RecordedShadows, Shadows};
@@ -212,6 +213,8 @@ impl Shadows {
             device.cmd_begin_render_pass(raw, &info, vk::SubpassContents::INLINE);
             device.cmd_set_viewport(raw, 0, &[viewport]);
             device.cmd_set_scissor(raw, 0, &[target.area]);
+            // Depth is reversed, so away from the light is down.
+            device.cmd_set_depth_bias(raw, -CONSTANT_BIAS, 0.0, -view.slope_texels);
         }
         let point = vk::PipelineBindPoint::GRAPHICS;
         match target.copied {

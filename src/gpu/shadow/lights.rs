@@ -5,12 +5,16 @@ use std::f32::consts::SQRT_2;
 use glam::{DMat4, DVec3, DVec4};
 
 use super::super::shared::ShadowViewData;
-use crate::plan::{ShadowFilter, ShadowLight, ShadowMap, ShadowOptions, Tile, spread_texels};
+use crate::plan::{ShadowFilter, ShadowLight, ShadowMap, ShadowOptions, Tile, bias_texels, spread_texels};
 use crate::scene::{Aabb, Camera, Light, Scene};
 use crate::visible::{Cascades, MOST_CASCADES, ShadowShape, ShadowView};
 
 /// How far receivers are moved towards the light, texels: less than what is seen, more than what rounding does to places.
 const LIFT_TEXELS: f32 = 0.05;
+
+/// How far casters are pushed beyond the filter's radius, texels: a texel holds the depth at its centre, and places half a
+/// texel away in x and in y fall into it too.
+const SLOPE_TEXELS: f32 = 1.0;
 
 /// A light with its part of the shadow map.
 pub(super) struct LightViews {
@@ -18,6 +22,7 @@ pub(super) struct LightViews {
     place: ShadowLight,
     spread_texels: f32,
     offset_texels: f32,
+    slope_texels: f32,
     stable: bool,
 }
 
@@ -30,17 +35,21 @@ impl LightViews {
 
     fn new(light: &Light, options: &ShadowOptions, place: &ShadowLight) -> Self {
         let shadow = light.shadow.unwrap_or_default();
+        let bias = bias_texels(shadow);
+        // The guard is for the filter and for receivers that their offset, reach and bias, takes out of the view.
         let room = place.size.guard.saturating_sub(ShadowMap::FILTER_MARGIN) as f32;
-        let wanted = spread_texels(shadow).min(room);
+        let wanted = spread_texels(shadow).min(((room - bias) / (1.0 + SQRT_2)).max(0.0));
         // And the distance to the farthest sample: a corner of a square, or a point on a circle.
         let (spread_texels, reach) = match options.filter {
             ShadowFilter::Hardware => (0.0, 0.0),
             ShadowFilter::Grid3 | ShadowFilter::Grid5 => (wanted, wanted * SQRT_2),
             ShadowFilter::Jittered => (wanted, wanted),
         };
-        let offset_texels = reach + shadow.bias_texels;
+        let offset_texels = reach + bias;
+        let slope_texels = spread_texels + SLOPE_TEXELS;
         let stable = options.stable;
-        Self { light: light.clone(), place: place.clone(), spread_texels, offset_texels, stable }
+        let (light, place) = (light.clone(), place.clone());
+        Self { light, place, spread_texels, offset_texels, slope_texels, stable }
     }
 
     /// Changes the light; its tiles stay the same.
@@ -66,7 +75,10 @@ impl LightViews {
         bounds_world: &Aabb,
         mut want: impl FnMut(usize, Option<ShadowView>),
     ) {
-        let Self { light, place, .. } = self;
+        let Self { light, place, slope_texels, .. } = self;
+        let mut want = |tile, view: Option<ShadowView>| {
+            want(tile, view.map(|view| ShadowView { slope_texels: *slope_texels, ..view }));
+        };
         if light.shadow.is_none() || light.is_dark() {
             place.tiles.clone().for_each(|tile| want(tile, None));
             return;

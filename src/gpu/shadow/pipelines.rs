@@ -10,12 +10,8 @@ use super::super::{Called, Device, Image, Owned, PipelineCache, texel_bytes};
 use crate::Result;
 use crate::plan::{CasterKind, CasterMask, ShadowMap};
 
-/// How far casters are pushed away from the light, in depth steps of their slope per texel: a texel holds the depth at its
-/// centre, and places half a texel away in x and in y fall into it too.
-const SLOPE_BIAS: f32 = 1.0;
-
-/// And in steps of the depth's precision, for surfaces that face the light.
-const CONSTANT_BIAS: f32 = 2.0;
+/// How far casters are pushed away from the light at least, in steps of the depth's precision, for surfaces that face it.
+pub(super) const CONSTANT_BIAS: f32 = 2.0;
 
 /// Draws a tile: the render area, of which nothing is loaded, and all is stored. The image is in
 /// DEPTH_STENCIL_ATTACHMENT_OPTIMAL before and after; who draws tiles moves it there once for all of them, and tiles do not
@@ -117,8 +113,8 @@ impl Builder<'_> {
                 false => vk::FrontFace::COUNTER_CLOCKWISE,
             })
             .depth_bias_enable(true)
+            // Each tile sets its own; the checks of Arm look here.
             .depth_bias_constant_factor(-CONSTANT_BIAS)
-            .depth_bias_slope_factor(-SLOPE_BIAS)
             .line_width(1.0);
         let input = caster_input(kind.mask.as_ref())?;
         let (compare, name) = (vk::CompareOp::GREATER, format!("shadow caster, {kind}"));
@@ -173,8 +169,8 @@ impl Builder<'_> {
             .depth_test_enable(true)
             .depth_write_enable(true)
             .depth_compare_op(compare);
-        let dynamic = vk::PipelineDynamicStateCreateInfo::default()
-            .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
+        let states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR, vk::DynamicState::DEPTH_BIAS];
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states);
         let info = vk::GraphicsPipelineCreateInfo::default()
             .stages(&stages)
             .vertex_input_state(&input)

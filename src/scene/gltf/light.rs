@@ -2,7 +2,7 @@
 //!
 //! | `extras.ontile` | on | value | without it |
 //! |---|---|---|---|
-//! | `shadow` | all but hemispheres | `true`, `false`, or `{"spread_texels": number, "bias_texels": number}` ([`Shadow`]) | `true` |
+//! | `shadow` | all but hemispheres | `true`, `false`, or `{"spread_texels": 0 to 12, "bias_texels": 0 to 64}` ([`Shadow`]) | `true` |
 //! | `dynamic` | all | `true` or `false`; nodes below have it too ([`Light::dynamic`]) | `false` |
 //! | `baked` | all | `true` or `false` ([`Light::baked`]) | `false` |
 //! | `priority` | all | number ([`Light::priority`]) | 0 |
@@ -142,10 +142,16 @@ fn shadow(kind: LightKind, extras: &Extras) -> Result<Option<Shadow>> {
         None => {
             let numbers = extra.object(&["spread_texels", "bias_texels"])?;
             let default = Shadow::default();
-            let number = |name, default| numbers.number_or(name, default, " of at least 0", not_negative);
+            let spread = |n| (0.0..=Shadow::MOST_SPREAD_TEXELS).contains(&n);
+            let bias = |n| (0.0..=Shadow::MOST_BIAS_TEXELS).contains(&n);
             Some(Shadow {
-                spread_texels: number("spread_texels", default.spread_texels)?,
-                bias_texels: number("bias_texels", default.bias_texels)?,
+                spread_texels: numbers.number_or(
+                    "spread_texels",
+                    default.spread_texels,
+                    " from 0 to 12",
+                    spread,
+                )?,
+                bias_texels: numbers.number_or("bias_texels", default.bias_texels, " from 0 to 64", bias)?,
             })
         }
     };
