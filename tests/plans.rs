@@ -227,6 +227,18 @@ fn auto_paths_follow_how_many_lights_reach_a_point() {
     assert_eq!([2, 3].map(|n| path(n, true, false)), [Path::Forward, Path::Deferred]);
     assert_eq!([20, 21].map(|n| path(n, false, false)), [Path::Forward, Path::Deferred]);
     assert_eq!(path(1, true, true), Path::Deferred, "forward has no G-buffer to keep");
+    for lights in [LightWay::Volumes, LightWay::Stencil] {
+        let options = Options { path: Path::Auto, lights, ..Options::default() };
+        assert_eq!(
+            plan(&scenes::lights_only(), options.clone()).path,
+            Path::Deferred,
+            "{lights} need a G-buffer"
+        );
+        // Nothing to add: no way is wrong.
+        for path in [Path::Auto, Path::Deferred, Path::Forward] {
+            assert_eq!(plan(&scenes::no_lights(), Options { path, ..options.clone() }).path, Path::Forward);
+        }
+    }
 }
 
 #[test]

@@ -142,14 +142,14 @@ pub(super) fn resolve(needs: &Needs, options: &Options, path: Path) -> crate::Re
         }
         LightWay::Auto => (LightWay::Fullscreen, None),
         LightWay::Fullscreen => (LightWay::Fullscreen, None),
+        asked if needs.local_lights() == 0 => {
+            (LightWay::Fullscreen, Some(format!("lights: fullscreen, not {asked}: no light has a place")))
+        }
         asked @ (LightWay::Volumes | LightWay::Stencil) if path != Path::Deferred => {
             return Err(crate::Error::unsupported(
                 format!("{asked} needs a G-buffer to add lights to, which the path {path} has not"),
                 "choose the path deferred, or one of the ways fullscreen and clusters",
             ));
-        }
-        asked if needs.local_lights() == 0 => {
-            (LightWay::Fullscreen, Some(format!("lights: fullscreen, not {asked}: no light has a place")))
         }
         asked => (asked, None),
     };

@@ -1,6 +1,6 @@
 //! When surfaces are lit: what was asked for, and what comes of it for a scene.
 
-use super::{Limits, Needs, Options, Path, Strategy};
+use super::{LightWay, Limits, Needs, Options, Path, Strategy};
 use crate::{Error, Result};
 
 /// [`Path::Auto`] is forward where a point of the scene is reached by at most so many lights on average. Where the G-buffer
@@ -22,6 +22,12 @@ pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Resu
     let (path, why) = match options.path {
         Path::Auto if options.keep_gbuffer => {
             (Path::Deferred, Some("path: deferred, since its G-buffer is to be kept".into()))
+        }
+        Path::Auto
+            if needs.local_lights() > 0
+                && matches!(options.lights, LightWay::Volumes | LightWay::Stencil) =>
+        {
+            (Path::Deferred, Some(format!("path: deferred, since {} need its G-buffer", options.lights)))
         }
         Path::Auto => {
             let (path, why) = choose(needs.lights_at_a_point, options.strategy, limits);
