@@ -135,7 +135,7 @@ pub(super) fn resolve(needs: &Needs, options: &Options, path: Path) -> crate::Re
         // Lights are added one by one, whatever they could be looked up in.
         LightWay::Clusters | LightWay::Auto if path == Path::ForwardMultipass => (LightWay::Fullscreen, None),
         // From the first light on: on GPUs lists are ahead of all other ways, whatever the number of lights. On llvmpipe
-        // volumes are, up to about 16 small lights, but fall behind where lights overlap (README, "Speed").
+        // volumes are, up to about 30 small lights, but fall behind where lights overlap (assets/comparison).
         LightWay::Auto if ended > 0 => {
             let lights = if ended == 1 { "1 light has".to_owned() } else { format!("{ended} lights have") };
             (LightWay::Clusters, Some(format!("lights: clusters, since {lights} a place and an end")))
