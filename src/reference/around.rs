@@ -102,7 +102,7 @@ impl<'a> Around<'a> {
                     diffuse_nt += lookup.irradiance(local) * f64::from(environment.intensity);
                     specular_nt += seen(environment, lookup, direction, surface.roughness);
                 }
-                let (sum, weights) = self.from_probes(surface, direction);
+                let (sum, weights) = self.light_of_probes(surface, direction);
                 let specular_nt = sum / weights.max(1.0) + specular_nt * (1.0 - weights).max(0.0);
                 light_around(surface, n.dot(v), diffuse_nt, specular_nt, occlusion)
             }
@@ -117,7 +117,7 @@ impl<'a> Around<'a> {
     }
 
     /// Radiance around a direction from the probes that the surface is inside of, times their weights, and the weights' sum.
-    fn from_probes(&self, surface: &Attributes, direction: DVec3) -> (DVec3, f64) {
+    fn light_of_probes(&self, surface: &Attributes, direction: DVec3) -> (DVec3, f64) {
         self.probes.iter().fold((DVec3::ZERO, 0.0), |(sum, weights), (probe, lookup)| {
             let position = probe.probe_from_world(surface.position_world);
             let weight = probe.weight(position);

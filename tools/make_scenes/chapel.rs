@@ -112,7 +112,7 @@ fn rose(uv: Vec2) -> Vec3 {
     // Round at the outer end.
     let round = Vec2::new(petal * radius * 0.26, (radius - 0.74).max(0.0)).length();
     let open = outer * smoothstep(0.0, 0.03, 0.2 * radius - round);
-    let color = if (turns * 12.0) as u32 % 2 == 0 { srgb(0xffd9a0) } else { srgb(0xff8fb0) };
+    let color = if ((turns * 12.0) as u32).is_multiple_of(2) { srgb(0xffd9a0) } else { srgb(0xff8fb0) };
     let eye = smoothstep(0.0, 0.04, 0.28 - radius) * smoothstep(0.0, 0.04, (radius - 0.14).abs() - 0.02);
     color * open + srgb(0x90c8ff) * eye
 }
