@@ -1,5 +1,6 @@
 #version 450
-// All lights on one pixel, or (ONE_LIGHT) only the one whose volume is drawn. FOLD: tonemaps and writes the output; else fixed-function blending adds to the light target.
+// All lights on one pixel, or (ONE_LIGHT) only the one whose volume is drawn. FOLD: tonemaps and writes the output; else
+// fixed-function blending adds to the light target.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"

@@ -43,7 +43,7 @@ impl AroundData {
         let mut data = Self {
             split_sum: reflects.then(|| split_sum_table(device, upload)).transpose()?,
             lightmap: lightmap.map(|map| lightmap_image(device, upload, map, plan)).transpose()?,
-            sampler: Some(create_sampler(device)?),
+            sampler: Some(edge_sampler(device, "around")?),
             ..Self::default()
         };
         let all = environment.into_iter().chain(probes.iter().map(|probe| &probe.environment));
@@ -118,7 +118,8 @@ fn lightmap_image(device: &Device, upload: &mut Upload, map: &Lightmap, plan: &P
     Ok(image)
 }
 
-fn create_sampler(device: &Device) -> Result<Owned<vk::Sampler>> {
+/// Linear, edges going on.
+pub(super) fn edge_sampler(device: &Device, name: &str) -> Result<Owned<vk::Sampler>> {
     let info = vk::SamplerCreateInfo::default()
         .mag_filter(vk::Filter::LINEAR)
         .min_filter(vk::Filter::LINEAR)
@@ -128,7 +129,7 @@ fn create_sampler(device: &Device) -> Result<Owned<vk::Sampler>> {
         .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE)
         .max_lod(vk::LOD_CLAMP_NONE);
     // SAFETY: the structure uses no feature and no extension.
-    unsafe { device.create_sampler(&info, "around") }
+    unsafe { device.create_sampler(&info, name) }
 }
 
 /// What the scene brings, else made of its panorama.

@@ -2,6 +2,7 @@
 
 use ash::vk;
 
+use super::around::edge_sampler;
 use super::descriptor::Content;
 use super::{Device, Image, ImageDesc, Owned, Upload};
 use crate::Result;
@@ -32,16 +33,7 @@ impl GlobeMaps {
             .subresource_range(image.range());
         // SAFETY: the image is alive and bound, and format and range are its own.
         let view = unsafe { device.create_image_view(&info, "globe maps") }?;
-        let info = vk::SamplerCreateInfo::default()
-            .mag_filter(vk::Filter::LINEAR)
-            .min_filter(vk::Filter::LINEAR)
-            .address_mode_u(vk::SamplerAddressMode::CLAMP_TO_EDGE)
-            .address_mode_v(vk::SamplerAddressMode::CLAMP_TO_EDGE)
-            .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE)
-            .max_lod(vk::LOD_CLAMP_NONE);
-        // SAFETY: the structure uses no feature and no extension.
-        let sampler = unsafe { device.create_sampler(&info, "globe maps") }?;
-        Ok(Self { view, sampler, image })
+        Ok(Self { view, sampler: edge_sampler(device, "globe maps")?, image })
     }
 
     /// What the binding is written with.
