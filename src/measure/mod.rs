@@ -1,5 +1,6 @@
-//! How far pictures are from each other.
+//! How far pictures are from each other, and what frames cost.
 
+pub mod bandwidth;
 #[cfg(feature = "cli")]
 mod compare;
 mod false_color;
