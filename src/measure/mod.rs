@@ -1,10 +1,12 @@
-//! How far pictures are from each other.
+//! How far pictures are from each other, and where methods fail.
 
 #[cfg(feature = "cli")]
 mod compare;
 mod false_color;
 pub mod metrics;
 mod pairs;
+#[cfg(feature = "cli")]
+pub mod plot;
 pub mod tiler;
 
 #[cfg(feature = "cli")]
