@@ -1,4 +1,4 @@
-//! How far pictures are from each other, and what frames cost.
+//! How far pictures are from each other, where methods fail, and what frames cost.
 
 pub mod bandwidth;
 #[cfg(feature = "cli")]
@@ -6,6 +6,8 @@ mod compare;
 mod false_color;
 pub mod metrics;
 mod pairs;
+#[cfg(feature = "cli")]
+pub mod plot;
 pub mod tiler;
 
 #[cfg(feature = "cli")]
