@@ -1,4 +1,4 @@
-//! How far pictures are from each other.
+//! How far pictures are from each other, and where methods fail.
 
 mod ciede;
 mod color;
@@ -8,6 +8,8 @@ mod false_color;
 mod flip;
 pub mod metrics;
 mod pairs;
+#[cfg(feature = "cli")]
+pub mod plot;
 pub mod tiler;
 
 pub use ciede::ciede2000;
