@@ -58,7 +58,7 @@ fn compare_tells_people_and_programs() {
     let folder = pictures();
     let text = expect(folder.path(), 0, &["compare", "a.png", "b.png"]);
     // Red differs by one step of 255 and green and blue do not: 10 log10(255² * 3) = 52.90 dB.
-    for expected in ["16x16, 256 compared", "256 (100.000 %)", "52.90 dB", "SSIM"] {
+    for expected in ["16x16, 256 compared", "256 (100.000 %)", "52.90 dB", "SSIM", "FLIP", "CIEDE2000"] {
         assert!(text.contains(expected), "{expected} is missing in:\n{text}");
     }
     let json = expect(folder.path(), 0, &["compare", "a.png", "b.png", "--json", "--mask", "half.png"]);
