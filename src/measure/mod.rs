@@ -1,5 +1,6 @@
-//! How far pictures are from each other, and where methods fail.
+//! How far pictures are from each other, where methods fail, and what frames cost.
 
+pub mod bandwidth;
 #[cfg(feature = "cli")]
 pub mod canvas;
 mod ciede;
