@@ -128,19 +128,19 @@ mod tests {
     fn twenty_bytes_are_cut_as_the_driver_cuts_them() {
         let formats = [Format::Rgba8Srgb; 5];
         let expected = [(40, [192, 272]), (28, [480, 160]), (14, [960, 160])];
-        for (gpu, (count, size_px)) in Adreno::ALL.into_iter().zip(expected) {
-            assert_eq!(gpu.bins(&formats, SIZE), Some(Bins { count, size_px }), "{}", gpu.id);
+        for (adreno, (count, size_px)) in Adreno::ALL.into_iter().zip(expected) {
+            assert_eq!(adreno.bins(&formats, SIZE), Some(Bins { count, size_px }), "{}", adreno.id);
         }
     }
 
     #[test]
     fn fewer_bytes_never_need_more_bins_and_too_many_do_not_fit() {
-        for gpu in Adreno::ALL {
+        for adreno in Adreno::ALL {
             let counts: Vec<_> =
-                (1..20).map(|n| gpu.bins(&vec![Format::Rgba16Float; n], SIZE).unwrap().count).collect();
-            assert!(counts.is_sorted(), "{}: {counts:?}", gpu.id);
-            assert_eq!(gpu.bins(&vec![Format::Rgba32Float; 9999], SIZE), None);
-            let small = gpu.bins(&[Format::Rgba8Srgb], [64, 32]).unwrap();
+                (1..20).map(|n| adreno.bins(&vec![Format::Rgba16Float; n], SIZE).unwrap().count).collect();
+            assert!(counts.is_sorted(), "{}: {counts:?}", adreno.id);
+            assert_eq!(adreno.bins(&vec![Format::Rgba32Float; 9999], SIZE), None);
+            let small = adreno.bins(&[Format::Rgba8Srgb], [64, 32]).unwrap();
             assert_eq!(small.count, 1);
         }
     }
