@@ -3,6 +3,8 @@
 pub mod bandwidth;
 #[cfg(feature = "cli")]
 pub mod canvas;
+#[cfg(feature = "cli")]
+pub mod chart;
 mod ciede;
 mod color;
 #[cfg(feature = "cli")]
@@ -17,8 +19,12 @@ mod pairs;
 pub mod plot;
 #[cfg(feature = "cli")]
 mod race;
+#[cfg(feature = "cli")]
+pub mod stability;
 mod stats;
 pub mod tiler;
+#[cfg(feature = "cli")]
+pub mod turnip;
 
 pub use ciede::ciede2000;
 pub use color::lab_from_linear;

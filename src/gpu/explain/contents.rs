@@ -6,7 +6,7 @@ use super::super::pipeline::PipelineParts;
 use super::super::shader::shared;
 use super::elements::{Elements, is_local};
 use crate::Result;
-use crate::plan::{SLOTS, SceneKinds, SurfaceKind};
+use crate::plan::{SLOTS, SceneKinds, SurfaceKind, element};
 
 impl Elements<'_> {
     /// Pipelines that tiles of the shadow map begin with.
@@ -19,9 +19,9 @@ impl Elements<'_> {
 
     fn moving(&self) -> String {
         let lights = self.plan.shadow_map.iter().flat_map(|map| &map.lights);
-        let light = lights.filter(|light| light.keeps_static).map(|light| light.name.as_str()).next();
-        let light = light.unwrap_or_default();
-        format!("instances move in the light of '{light}', beside others that stand still")
+        let mut lights = lights.filter(|light| light.keeps_static);
+        let light = lights.next().map(|light| element("light", &light.name, light.light)).unwrap_or_default();
+        format!("instances move in the reach of {light}, beside others that stand still")
     }
 
     /// Images that are sampled, in order of their kinds: pictures, what is around, globe maps, shadow maps.
@@ -31,12 +31,13 @@ impl Elements<'_> {
         // A picture that is both colour and data is there twice.
         let mut pictures: BTreeMap<(usize, bool), String> = BTreeMap::new();
         for instance in scene.drawn_instances() {
-            let material = &scene.materials[scene.meshes[instance.mesh].material];
+            let index = scene.meshes[instance.mesh].material;
+            let material = &scene.materials[index];
             let kind = SurfaceKind::new(&kinds, instance);
             for (slot, texture) in SurfaceKind::textures_of(material).into_iter().enumerate() {
                 let Some(texture) = texture.filter(|_| kind.samples(slot)) else { continue };
                 let key = (scene.textures[texture.texture].image, SurfaceKind::is_srgb(slot));
-                let why = || format!("{} of material '{}'", SLOTS[slot], material.name);
+                let why = || format!("{} of {}", SLOTS[slot], element("material", &material.name, index));
                 pictures.entry(key).or_insert_with(why);
             }
         }

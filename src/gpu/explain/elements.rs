@@ -1,6 +1,6 @@
 //! The elements of a scene that pipelines exist for.
 
-use crate::plan::{CasterKind, KindNeed, Pipeline, Plan, SceneKinds, SurfaceKind, VolumeShape};
+use crate::plan::{CasterKind, KindNeed, Pipeline, Plan, SceneKinds, SurfaceKind, VolumeShape, element};
 use crate::scene::{Light, LightKind, Scene};
 use crate::visible::Reach;
 
@@ -63,18 +63,19 @@ impl<'a> Elements<'a> {
 
     /// The first light of a kind that is not dark, by name.
     pub(super) fn light(&self, wanted: impl Fn(&Light) -> bool) -> String {
-        let light = self.scene.lights.iter().find(|light| !light.is_dark() && wanted(light));
-        light.map_or_else(|| "(no light)".into(), |light| format!("light '{}'", light.name))
+        let mut lights = self.scene.lights.iter().enumerate();
+        let light = lights.find(|(_, light)| !light.is_dark() && wanted(light));
+        light.map_or_else(|| "(no light)".into(), |(i, light)| element("light", &light.name, i))
     }
 
     /// The lights that have a part of the shadow map.
     pub(super) fn shadow_lights(&self) -> String {
         let lights = self.plan.shadow_map.iter().flat_map(|map| &map.lights);
-        let names: Vec<_> = lights.map(|light| light.name.as_str()).collect();
-        match names[..] {
+        let lights: Vec<_> = lights.map(|light| element("light", &light.name, light.light)).collect();
+        match &lights[..] {
             [] => "(no light)".into(),
-            [only] => format!("light '{only}' casts shadows"),
-            [first, ..] => format!("light '{first}' and {} more cast shadows", names.len() - 1),
+            [only] => format!("{only} casts shadows"),
+            [first, ..] => format!("{first} and {} more cast shadows", lights.len() - 1),
         }
     }
 
@@ -99,20 +100,20 @@ impl<'a> Elements<'a> {
     fn caster(&self, wanted: &CasterKind) -> String {
         let kinds = SceneKinds::new(self.scene);
         let caster = self.scene.drawn_instances().find_map(|instance| {
-            let material = &self.scene.materials[self.scene.meshes[instance.mesh].material];
+            let index = self.scene.meshes[instance.mesh].material;
+            let material = &self.scene.materials[index];
             let kind = CasterKind::new(&SurfaceKind::new(&kinds, instance), material)?;
-            (kind == *wanted).then(|| format!("material '{}'", material.name))
+            (kind == *wanted).then(|| element("material", &material.name, index))
         });
         caster.unwrap_or_default()
     }
 
     fn of_shape(&self, shape: VolumeShape) -> String {
-        let light =
-            self.scene.lights.iter().find(|l| !l.is_dark() && VolumeShape::of(&Reach::of(l)) == shape);
-        let local = || {
-            format!("{}, when its volume is cut by the far plane or a host changes it", self.light(is_local))
-        };
-        light.filter(|l| is_local(l)).map_or_else(local, |light| format!("light '{}'", light.name))
+        let has_shape = |light: &Light| is_local(light) && VolumeShape::of(&Reach::of(light)) == shape;
+        match self.scene.lights.iter().any(|light| !light.is_dark() && has_shape(light)) {
+            true => self.light(has_shape),
+            false => self.light(is_local) + ", when the far plane cuts its volume or a host changes it",
+        }
     }
 }
 
