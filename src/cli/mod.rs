@@ -11,6 +11,7 @@ mod print;
 mod progress;
 mod render;
 mod scene;
+mod stability;
 
 use std::process::ExitCode;
 
@@ -35,6 +36,7 @@ enum Command {
     Info(info::InfoArgs),
     Compare(compare::CompareArgs),
     Bake(bake::BakeArgs),
+    Stability(stability::StabilityArgs),
 }
 
 /// Runs the program with the process's arguments.
@@ -53,6 +55,7 @@ pub fn main() -> ExitCode {
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Bake(args) => bake::run(args),
+        Command::Stability(args) => stability::run(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -7,6 +7,8 @@ pub mod metrics;
 mod pairs;
 #[cfg(feature = "cli")]
 pub mod plot;
+#[cfg(feature = "cli")]
+pub mod stability;
 pub mod tiler;
 
 #[cfg(feature = "cli")]
