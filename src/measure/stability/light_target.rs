@@ -1,4 +1,4 @@
-//! Sums of light in few bits: steps in the dark, what is too bright, many lights one by one, and their order.
+//! Light in few bits: steps in the dark, what is too bright, and what becomes of greys.
 
 use super::{Answer, Bound, Case, Figure, Findings, Lab, Sweep, Worst, display_steps};
 use crate::Result;
@@ -38,30 +38,9 @@ pub const TINT: Sweep = Sweep {
     find: tint,
 };
 
-pub const SUM: Sweep = Sweep {
-    name: "sum",
-    title: "Many lights added one by one",
-    varies: "number of equal lights that add up to 1, 1 to 1024",
-    about: "Each addition in the target is rounded: lights of less than half a step are lost, and a float's step grows with \
-            the sum.",
-    needs_device: false,
-    find: sum,
-};
-
-pub const ORDER: Sweep = Sweep {
-    name: "order",
-    title: "The order of blending",
-    varies: "number of lights, 2 to 1024: one of exposed light 1 before or after all others, which have up to a step of it each",
-    about: "Floats are not associative: what is dim survives only before what is bright. Fixed point is, for light: on a lattice \
-            all sums of what is not negative round alike, and the clamp comes last in any order. Draw order is defined, so a \
-            frame repeats itself; but if lights change places in a list, pixels change by this much.",
-    needs_device: false,
-    find: order,
-};
-
 /// How a target rounds.
 #[derive(Clone, Copy)]
-enum Rounding {
+pub(super) enum Rounding {
     Nearest,
     /// Towards zero.
     Down,
@@ -69,7 +48,7 @@ enum Rounding {
 
 /// What holds light.
 #[derive(Clone, Copy)]
-enum Store {
+pub(super) enum Store {
     /// Bits, and the exposed light that is stored as 1.
     Fixed(u32, f64),
     /// Bits of mantissa, five of exponent.
@@ -77,12 +56,12 @@ enum Store {
 }
 
 /// Name and what a channel is stored in: red's and blue's.
-type Target = (&'static str, [Store; 2]);
+pub(super) type Target = (&'static str, [Store; 2]);
 
-const TEN_SCALED: Target = ("rgb10a2, range 2", [Store::Fixed(10, 2.0); 2]);
+pub(super) const TEN_SCALED: Target = ("rgb10a2, range 2", [Store::Fixed(10, 2.0); 2]);
 const TEN: Target = ("rgb10a2, range 1 (no scale)", [Store::Fixed(10, 1.0); 2]);
-const HALF: Target = ("rgba16f", [Store::Float(10, Rounding::Nearest); 2]);
-const SMALL: Target =
+pub(super) const HALF: Target = ("rgba16f", [Store::Float(10, Rounding::Nearest); 2]);
+pub(super) const SMALL: Target =
     ("b10g11r11, nearest", [Store::Float(6, Rounding::Nearest), Store::Float(5, Rounding::Nearest)]);
 const SMALL_DOWN: Target =
     ("b10g11r11, truncated", [Store::Float(6, Rounding::Down), Store::Float(5, Rounding::Down)]);
@@ -90,7 +69,7 @@ const TARGETS: [Target; 5] = [TEN_SCALED, TEN, HALF, SMALL, SMALL_DOWN];
 
 impl Store {
     /// What is read back of exposed light.
-    fn keep(self, light: f64) -> f64 {
+    pub fn keep(self, light: f64) -> f64 {
         match self {
             Self::Fixed(bits, range) => unorm(light / range, bits) * range,
             Self::Float(mantissa, rounding) => small_float(light, mantissa, rounding),
@@ -98,7 +77,7 @@ impl Store {
     }
 
     /// Half a step, of the range or of the value: the largest relative rounding error.
-    fn unit(self) -> f64 {
+    pub fn unit(self) -> f64 {
         match self {
             Self::Fixed(bits, range) => 0.5 * range / ((1_u64 << bits) - 1) as f64,
             Self::Float(mantissa, Rounding::Nearest) => (-f64::from(mantissa) - 1.0).exp2(),
@@ -126,7 +105,7 @@ fn spread(low: f64, high: f64, count: usize) -> impl Iterator<Item = f64> {
 
 /// Steps of an 8-bit sRGB display that one channel's rounding is wrong by, at most: half a step of the target where the
 /// display's curve is steepest.
-fn steps_at_most(store: Store) -> f64 {
+pub(super) fn steps_at_most(store: Store) -> f64 {
     match store {
         // sRGB's linear part.
         Store::Fixed(..) => 12.92 * 255.0 * store.unit() * 1.001,
@@ -296,140 +275,6 @@ fn tint(lab: &Lab<'_>) -> Result<Findings> {
     Ok(findings)
 }
 
-/// Adds light to a target that starts empty.
-fn added(store: Store, lights: impl IntoIterator<Item = f64>) -> f64 {
-    // Vulkan 1.3, 29.1: a fixed-point source is clamped before it is added, and the sum rounded once. It is not rounded
-    // itself.
-    let source = |light: f64| match store {
-        Store::Fixed(_, range) => light.min(range),
-        Store::Float(..) => light,
-    };
-    lights.into_iter().fold(0.0, |sum, light| store.keep(sum + source(light)))
-}
-
-/// Higham, "Accuracy and Stability of Numerical Algorithms", 2002, equation 4.4: n additions of what is not negative lose at
-/// most n u of the sum.
-const HIGHAM: &str =
-    "n additions lose at most n u of the sum (Higham 2002, eq. 4.4); 1 % is below one step of the display";
-/// The most lights that are added here.
-const MOST_LIGHTS: u32 = 1024;
-
-fn light_counts() -> impl Iterator<Item = u32> {
-    (0..=10).map(|n| 1 << n)
-}
-
-fn sum(_: &Lab<'_>) -> Result<Findings> {
-    let mut findings = Findings::default();
-    let mut curves = Vec::new();
-    for (name, stores) in [TEN_SCALED, HALF, SMALL] {
-        let mut worst = Worst::new();
-        let mut curve = Vec::new();
-        for lights in light_counts() {
-            // 0.9 is not dyadic: a power of two would be kept exactly.
-            let each = 0.9 / f64::from(lights);
-            let error = (added(stores[1], (0..lights).map(|_| each)) / 0.9 - 1.0).abs();
-            worst.add(error, || lights);
-            curve.push([f64::from(lights), 100.0 * error]);
-        }
-        let answered = !matches!(stores[1], Store::Float(10, _));
-        findings.cases.push(Case {
-            method: name.into(),
-            worst: 100.0 * worst.error,
-            at: format!("{} lights", worst.at.unwrap_or_default()),
-            bound: Bound {
-                name: "ADDED",
-                unit: "% of the sum",
-                good: 1.0,
-                most: 100.0 * f64::from(MOST_LIGHTS) * Store::Float(10, Rounding::Nearest).unit(),
-                reason: HIGHAM,
-            },
-            answer: answered.then_some(Answer::Mended),
-            remedy: if answered {
-                "lights that are added one by one (--lights volumes, stencil; --path forward-multipass) get a target of half \
-                 floats; the other ways sum in registers and store once"
-                    .into()
-            } else {
-                String::new()
-            },
-        });
-        curves.push((name.to_owned(), curve));
-    }
-    findings.figures.push(Figure::plot(
-        "lost",
-        "What is missing of a sum of 0.9 by the number of lights that it is made of.",
-        Plot {
-            title: "Light that additions lose".into(),
-            x_label: "lights".into(),
-            y_label: "% of the sum".into(),
-            axes: [Axis::Logarithmic; 2],
-            curves,
-            levels: vec![("1 %".into(), 1.0)],
-        },
-    ));
-    Ok(findings)
-}
-
-fn order(_: &Lab<'_>) -> Result<Findings> {
-    let mut findings = Findings::default();
-    let mut curves = Vec::new();
-    for (name, stores) in [TEN_SCALED, HALF, SMALL] {
-        let mut worst = Worst::new();
-        let mut curve = Vec::new();
-        for lights in light_counts().skip(1) {
-            // One light of 1, the others each a part of its step: after it they are rounded away or up, before it they are not.
-            let step = 2.0 * stores[1].unit();
-            let mut most = 0.0;
-            for part in 1..=60 {
-                // Never half a step: how ties are rounded is the device's affair.
-                let dim = step * (f64::from(part) - 0.37) / 60.0;
-                let dims = || (1..lights).map(|_| dim);
-                let orders = [
-                    added(stores[1], dims().chain([1.0])),
-                    added(stores[1], [1.0].into_iter().chain(dims())),
-                ];
-                let shown = orders.map(|light| tonemap(Tonemap::Neutral, DVec3::new(0.0, 0.0, light)).z);
-                most = f64::max(most, display_steps(shown[0], shown[1]));
-            }
-            worst.add(most, || lights);
-            curve.push([f64::from(lights), most]);
-        }
-        let answered = matches!(stores[1], Store::Float(5, _));
-        findings.cases.push(Case {
-            method: name.into(),
-            worst: worst.error,
-            at: format!("{} lights", worst.at.unwrap_or_default()),
-            bound: Bound {
-                name: "REORDERED",
-                unit: "8-bit steps",
-                good: 1.0,
-                most: 2.0 * f64::from(MOST_LIGHTS) * steps_at_most(Store::Float(10, Rounding::Nearest)),
-                reason: "each of two orders loses at most n u (Higham 2002, eq. 4.4), here of 1024 additions in half floats; one step \
-                         of the display is no more than noise",
-            },
-            answer: answered.then_some(Answer::Mended),
-            remedy: if answered {
-                "as many lights: added one by one, they get half floats".into()
-            } else {
-                String::new()
-            },
-        });
-        curves.push((name.to_owned(), curve));
-    }
-    findings.figures.push(Figure::plot(
-        "apart",
-        "How far two orders of the same lights are apart.",
-        Plot {
-            title: "The brightest light last against the brightest light first".into(),
-            x_label: "lights".into(),
-            y_label: "steps of an 8-bit sRGB display".into(),
-            axes: [Axis::Logarithmic; 2],
-            curves,
-            levels: vec![("one step".into(), 1.0)],
-        },
-    ));
-    Ok(findings)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -443,10 +288,5 @@ mod tests {
         assert_eq!(half(1e9), 65504.0);
         assert_eq!(small_float(1.999, 5, Rounding::Down), 1.0 + 31.0 / 32.0);
         assert_eq!(small_float(0.0, 5, Rounding::Nearest), 0.0);
-    }
-
-    #[test]
-    fn lights_below_half_a_step_are_lost() {
-        assert_eq!(added(TEN_SCALED.1[0], (0..1000).map(|_| 0.4 * 2.0 / 1023.0)), 0.0);
     }
 }

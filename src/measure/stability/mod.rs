@@ -16,6 +16,7 @@ mod normals;
 mod parts;
 mod report;
 mod shading;
+mod sums;
 
 use serde::Serialize;
 
@@ -55,8 +56,8 @@ impl Sweep {
         light_target::BANDING,
         light_target::OVERFLOW,
         light_target::TINT,
-        light_target::SUM,
-        light_target::ORDER,
+        sums::SUM,
+        sums::ORDER,
         depth::DEPTH,
         colour::GAMMA,
         colour::HALOS,

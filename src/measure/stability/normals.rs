@@ -169,13 +169,14 @@ fn metal(roughness: f64) -> Attributes {
 }
 
 fn renormalised(lab: &Lab<'_>) -> Result<Findings> {
+    type Read = fn(DVec3) -> DVec3;
     let surface = metal(0.3);
     let shorten = |n: DVec3| {
         let round = |x: f64| ((x * 0.5 + 0.5) * 255.0).round() / 255.0 * 2.0 - 1.0;
         DVec3::new(round(n.x), round(n.y), round(n.z))
     };
     // As stored in 8 bits, the length as it comes; and brought to unit length.
-    let methods: [(&str, fn(DVec3) -> DVec3); 2] =
+    let methods: [(&str, Read); 2] =
         [("xyz, 8 bits, as read", |n| n), ("xyz, 8 bits, renormalised", |n| n.normalize())];
     let mut findings = Findings::default();
     // 1.035 / alpha per radian; the length's error is as large as the angle's.
