@@ -5,6 +5,7 @@ mod bake;
 mod bake_environment;
 mod compare;
 mod info;
+mod model;
 mod output;
 mod plan;
 mod print;
@@ -35,6 +36,7 @@ enum Command {
     Plan(plan::PlanCommandArgs),
     Info(info::InfoArgs),
     Compare(compare::CompareArgs),
+    Model(model::ModelArgs),
     Bake(bake::BakeArgs),
     Stability(stability::StabilityArgs),
 }
@@ -54,6 +56,7 @@ pub fn main() -> ExitCode {
         Command::Plan(args) => plan::run(args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Model(args) => model::run(args),
         Command::Bake(args) => bake::run(args),
         Command::Stability(args) => stability::run(args),
     };

@@ -9,6 +9,7 @@
 
 mod access;
 mod around;
+mod bins;
 mod budget;
 mod check;
 mod counts;
@@ -33,6 +34,7 @@ use check::{check_counts, check_dither, check_shadows};
 
 pub use access::{Access, Scope, State};
 pub use around::{Around, AroundImage, EnvironmentNeed};
+pub use bins::{Adreno, Bins};
 pub use budget::{Verdict, verdicts};
 pub use counts::{FrameCounts, Seen, StateChanges};
 pub use format::Format;
