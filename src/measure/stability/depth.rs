@@ -2,7 +2,8 @@
 
 use super::{Answer, Bound, Case, Figure, Findings, Lab, Sweep, Worst};
 use crate::Result;
-use crate::measure::plot::{Axis, Plot, short};
+use crate::measure::canvas::short;
+use crate::measure::plot::{Axis, Plot};
 use crate::reference::quantise::unorm;
 
 pub const DEPTH: Sweep = Sweep {

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::{Case, Drawing, Figure, Findings, Scale, Sweep, Verdict};
-use crate::measure::plot::short;
+use crate::measure::canvas::{self, short};
 use crate::{Error, Result, file};
 
 /// What several sweeps found.
@@ -176,10 +176,7 @@ impl Figure {
     /// Writes `stem` with the extensions that it has.
     fn write(&self, stem: &Path) -> Result<()> {
         match &self.drawing {
-            Drawing::Plot(plot) => {
-                file::write_whole(&stem.with_extension("svg"), plot.svg()?.as_bytes())?;
-                file::write_whole(&stem.with_extension("png"), &plot.png()?)
-            }
+            Drawing::Plot(plot) => canvas::Drawing::write(plot.as_ref(), stem),
             Drawing::Picture(picture) => picture.to_srgb8().write(&stem.with_extension("png")),
         }
     }
