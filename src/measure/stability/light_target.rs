@@ -143,7 +143,7 @@ fn banding(lab: &Lab<'_>) -> Result<Findings> {
             bound: Bound {
                 name: "HALF_A_STEP",
                 unit: "8-bit steps",
-                good: 0.5,
+                good: steps_at_most(stores[1]).min(0.5),
                 most: steps_at_most(stores[1]),
                 reason: "half a step of the target through sRGB's steepest part; below half a step of the display nobody sees it",
             },
