@@ -409,7 +409,7 @@ fn range(lab: &Lab<'_>) -> Result<Findings> {
             bound: Bound {
                 name: "TEXEL_STEP",
                 unit: "% of the light",
-                good: most.min(1.0),
+                good: f64::min(most, 1.0),
                 most: most * 1.001,
                 reason: "half a step of the format, relative: RGBM's steps are even, so that its darkest light is off by all of itself",
             },
