@@ -17,6 +17,11 @@ pub fn value<T: Display + Serialize>(value: &T, json: bool) -> Result<()> {
     } else {
         value.to_string()
     };
+    self::text(&text)
+}
+
+/// Prints lines for people.
+pub fn text(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     match writeln!(out, "{text}").and_then(|()| out.flush()) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => {

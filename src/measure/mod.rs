@@ -3,6 +3,8 @@
 pub mod bandwidth;
 #[cfg(feature = "cli")]
 pub mod canvas;
+#[cfg(feature = "cli")]
+pub mod chart;
 mod ciede;
 mod color;
 #[cfg(feature = "cli")]
@@ -19,6 +21,8 @@ pub mod plot;
 mod race;
 mod stats;
 pub mod tiler;
+#[cfg(feature = "cli")]
+pub mod turnip;
 
 pub use ciede::ciede2000;
 pub use color::lab_from_linear;
