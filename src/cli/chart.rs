@@ -86,7 +86,7 @@ fn shard(text: &str) -> Result<[usize; 2], String> {
 pub fn run(args: &ChartArgs) -> Result<()> {
     let report = if args.merge.is_empty() { measured(args)? } else { merged(args)? };
     chart::write_all(&report, &args.output)?;
-    print::text(&format!("{}{}", chart::summary(&report), args.output.join("README.md").display()))
+    print::text(&format_args!("{}{}", chart::summary(&report), args.output.join("README.md").display()))
 }
 
 fn make_folder(path: &Path) -> Result<()> {

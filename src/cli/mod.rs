@@ -13,6 +13,7 @@ mod print;
 mod progress;
 mod render;
 mod scene;
+mod stability;
 
 use std::process::ExitCode;
 
@@ -39,6 +40,7 @@ enum Command {
     Chart(chart::ChartArgs),
     Model(model::ModelArgs),
     Bake(bake::BakeArgs),
+    Stability(stability::StabilityArgs),
 }
 
 /// Runs the program with the process's arguments.
@@ -59,6 +61,7 @@ pub fn main() -> ExitCode {
         Command::Chart(args) => chart::run(args),
         Command::Model(args) => model::run(args),
         Command::Bake(args) => bake::run(args),
+        Command::Stability(args) => stability::run(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -20,8 +20,10 @@ pub fn value<T: Display + Serialize>(value: &T, json: bool) -> Result<()> {
     self::text(&text)
 }
 
-/// Prints lines for people.
-pub fn text(text: &str) -> Result<()> {
+/// Prints a text for people.
+///
+/// A reader that went away early has what it wanted: that is no error.
+pub fn text(text: &dyn Display) -> Result<()> {
     let mut out = io::stdout().lock();
     match writeln!(out, "{text}").and_then(|()| out.flush()) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => {

@@ -19,6 +19,8 @@ mod pairs;
 pub mod plot;
 #[cfg(feature = "cli")]
 mod race;
+#[cfg(feature = "cli")]
+pub mod stability;
 mod stats;
 pub mod tiler;
 #[cfg(feature = "cli")]
