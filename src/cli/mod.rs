@@ -3,6 +3,7 @@
 mod args;
 mod bake;
 mod bake_environment;
+mod chart;
 mod compare;
 mod info;
 mod model;
@@ -36,6 +37,7 @@ enum Command {
     Plan(plan::PlanCommandArgs),
     Info(info::InfoArgs),
     Compare(compare::CompareArgs),
+    Chart(chart::ChartArgs),
     Model(model::ModelArgs),
     Bake(bake::BakeArgs),
     Stability(stability::StabilityArgs),
@@ -56,6 +58,7 @@ pub fn main() -> ExitCode {
         Command::Plan(args) => plan::run(args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Chart(args) => chart::run(args),
         Command::Model(args) => model::run(args),
         Command::Bake(args) => bake::run(args),
         Command::Stability(args) => stability::run(args),

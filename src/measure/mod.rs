@@ -3,6 +3,8 @@
 pub mod bandwidth;
 #[cfg(feature = "cli")]
 pub mod canvas;
+#[cfg(feature = "cli")]
+pub mod chart;
 mod ciede;
 mod color;
 #[cfg(feature = "cli")]
@@ -21,6 +23,8 @@ mod race;
 pub mod stability;
 mod stats;
 pub mod tiler;
+#[cfg(feature = "cli")]
+pub mod turnip;
 
 pub use ciede::ciede2000;
 pub use color::lab_from_linear;

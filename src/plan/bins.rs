@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Format, Plan};
+use super::{Format, Plan, Store};
 
 /// An Adreno GPU, as far as bins depend on it (freedreno_devices.py; memory: the driver's kernel interface).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -20,6 +20,15 @@ pub struct Adreno {
     pub align_px: [u32; 2],
     /// Bins' longest sides, pixels.
     pub most_px: [u32; 2],
+}
+
+/// An attachment as it occupies tile memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+pub struct Occupancy {
+    /// How a pixel is stored.
+    pub format: Format,
+    /// The first and the last subpass that need it.
+    pub subpasses: [usize; 2],
 }
 
 /// How a picture is cut.
@@ -40,14 +49,8 @@ impl Adreno {
     ];
 
     /// The bins of a render pass with these attachments; `None` if they do not fit, so that the pass is not tiled.
-    pub fn bins(&self, attachments: &[Format], size_px: [u32; 2]) -> Option<Bins> {
-        // Stencil beside 32-bit depth has a place of its own, after it.
-        let planes: Vec<u32> = (attachments.iter())
-            .flat_map(|format| match format {
-                Format::D32FloatS8 => vec![4, 1],
-                other => vec![other.bytes()],
-            })
-            .collect();
+    pub fn bins(&self, attachments: &[Occupancy], size_px: [u32; 2]) -> Option<Bins> {
+        let planes = planes(attachments);
         let pixels = self.pixels(&planes)?;
         let [align_w, align_h] = self.bin_align(&planes);
         let [width, height] = size_px;
@@ -110,10 +113,54 @@ impl Adreno {
     }
 }
 
+/// Bytes a pixel of what lies side by side: attachments whose subpasses do not overlap share a place, if the first has
+/// room for the other.
+fn planes(attachments: &[Occupancy]) -> Vec<u32> {
+    struct Place {
+        bytes: u32,
+        subpasses: [usize; 2],
+    }
+    let mut places: Vec<Place> = Vec::new();
+    for Occupancy { format, subpasses: [first, last] } in attachments {
+        // Stencil beside 32-bit depth has a place of its own, after it.
+        let parts: &[u32] = if *format == Format::D32FloatS8 { &[4, 1] } else { &[format.bytes()] };
+        for &bytes in parts {
+            let mut free = (places.iter_mut())
+                .filter(|p| p.bytes >= bytes && (p.subpasses[0] > *last || p.subpasses[1] < *first))
+                .collect::<Vec<_>>();
+            // One of the same size, else the first.
+            let same = free.iter().position(|p| p.bytes == bytes).unwrap_or(0);
+            match free.get_mut(same) {
+                Some(place) => {
+                    let [begin, end] = place.subpasses;
+                    place.subpasses = [begin.min(*first), end.max(*last)];
+                }
+                None => places.push(Place { bytes, subpasses: [*first, *last] }),
+            }
+        }
+    }
+    places.into_iter().map(|place| place.bytes).collect()
+}
+
 impl Plan {
-    /// The formats of a pass's attachments, in its order.
-    pub fn formats(&self, pass: usize) -> Vec<Format> {
-        self.passes[pass].attachments.iter().map(|a| self.attachments[a.attachment].format).collect()
+    /// How the attachments of a pass, in its order, occupy tile memory.
+    pub fn occupancy(&self, pass: usize) -> Vec<Occupancy> {
+        let pass = &self.passes[pass];
+        let attachments = pass.attachments.iter().enumerate();
+        attachments
+            .map(|(index, used)| {
+                let uses = |s: &super::Subpass| {
+                    s.colors.contains(&index) || s.inputs.contains(&index) || s.depth == Some(index)
+                };
+                let mut subpasses = (0..pass.subpasses.len()).filter(|&s| uses(&pass.subpasses[s]));
+                let first = subpasses.next().unwrap_or(0);
+                let last = subpasses.next_back().unwrap_or(first);
+                let stored = used.store == Store::Store || used.stencil.1 == Store::Store;
+                // What is stored stays until the pass ends.
+                let last = if stored { pass.subpasses.len() - 1 } else { last };
+                Occupancy { format: self.attachments[used.attachment].format, subpasses: [first, last] }
+            })
+            .collect()
     }
 }
 
@@ -126,22 +173,40 @@ mod tests {
     /// What Turnip of Mesa 26.1.6 printed for the courtyard at 1920x1080: five attachments of four bytes.
     #[test]
     fn twenty_bytes_are_cut_as_the_driver_cuts_them() {
-        let formats = [Format::Rgba8Srgb; 5];
+        let all = vec![Occupancy { format: Format::Rgba8Srgb, subpasses: [0, 0] }; 5];
         let expected = [(40, [192, 272]), (28, [480, 160]), (14, [960, 160])];
         for (adreno, (count, size_px)) in Adreno::ALL.into_iter().zip(expected) {
-            assert_eq!(adreno.bins(&formats, SIZE), Some(Bins { count, size_px }), "{}", adreno.id);
+            assert_eq!(adreno.bins(&all, SIZE), Some(Bins { count, size_px }), "{}", adreno.id);
         }
     }
 
     #[test]
     fn fewer_bytes_never_need_more_bins_and_too_many_do_not_fit() {
+        let many = |format, n| vec![Occupancy { format, subpasses: [0, 0] }; n];
         for adreno in Adreno::ALL {
             let counts: Vec<_> =
-                (1..20).map(|n| adreno.bins(&vec![Format::Rgba16Float; n], SIZE).unwrap().count).collect();
+                (1..20).map(|n| adreno.bins(&many(Format::Rgba16Float, n), SIZE).unwrap().count).collect();
             assert!(counts.is_sorted(), "{}: {counts:?}", adreno.id);
-            assert_eq!(adreno.bins(&vec![Format::Rgba32Float; 9999], SIZE), None);
-            let small = adreno.bins(&[Format::Rgba8Srgb], [64, 32]).unwrap();
+            assert_eq!(adreno.bins(&many(Format::Rgba32Float, 9999), SIZE), None);
+            let small = adreno.bins(&many(Format::Rgba8Srgb, 1), [64, 32]).unwrap();
             assert_eq!(small.count, 1);
         }
+    }
+
+    #[test]
+    fn what_is_not_needed_at_the_same_time_shares_a_place() {
+        let of = |list: &[(Format, [usize; 2])]| {
+            planes(
+                &list.iter().map(|&(format, subpasses)| Occupancy { format, subpasses }).collect::<Vec<_>>(),
+            )
+        };
+        use Format::{D32Float, D32FloatS8, Rgba8Srgb, Rgba16Float};
+        assert_eq!(of(&[(Rgba8Srgb, [2, 2]), (D32Float, [0, 0]), (Rgba16Float, [0, 2])]), [4, 8]);
+        // The place that was shared is taken for all that lies between.
+        assert_eq!(of(&[(Rgba8Srgb, [2, 2]), (D32Float, [0, 0]), (D32Float, [1, 1])]), [4, 4]);
+        // The same size is preferred to the first; what is larger finds no room.
+        assert_eq!(of(&[(Rgba16Float, [1, 1]), (D32Float, [1, 1]), (Rgba8Srgb, [0, 0])]), [8, 4]);
+        assert_eq!(of(&[(D32Float, [1, 1]), (Rgba16Float, [0, 0])]), [4, 8]);
+        assert_eq!(of(&[(D32FloatS8, [0, 0])]), [4, 1]);
     }
 }

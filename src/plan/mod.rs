@@ -12,6 +12,7 @@ mod around;
 mod bins;
 mod budget;
 mod check;
+mod choice;
 mod counts;
 mod derive;
 mod format;
@@ -34,8 +35,9 @@ use check::{check_counts, check_dither, check_shadows};
 
 pub use access::{Access, Scope, State};
 pub use around::{Around, AroundImage, EnvironmentNeed};
-pub use bins::{Adreno, Bins};
+pub use bins::{Adreno, Bins, Occupancy};
 pub use budget::{Verdict, verdicts};
+pub use choice::Choice;
 pub use counts::{FrameCounts, Seen, StateChanges};
 pub use format::Format;
 pub use layout::{LayoutTable, LightTarget, Target};
