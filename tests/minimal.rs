@@ -4,3 +4,5 @@ mod common;
 
 #[path = "minimal/created.rs"]
 mod created;
+#[path = "minimal/features.rs"]
+mod features;

@@ -3,10 +3,12 @@
 //! [`Module::all`] is the one list. `tools/shaders` compiles it into `glsl/spirv/`, this module embeds the result,
 //! and a test compares the two.
 
+mod declared;
 mod numbers;
 mod prune;
 mod specialization;
 
+pub(in crate::gpu) use declared::declared;
 pub use numbers::{shared, shared_names};
 pub use prune::{Pruned, prune};
 pub use specialization::{

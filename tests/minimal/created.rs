@@ -64,7 +64,7 @@ fn differences(
 }
 
 /// What is wrong with the explanation of a scene, or with what is created for it.
-fn problems(gpu: &Gpu<'_>, scene: &Scene, options: Options) -> Vec<String> {
+pub fn problems(gpu: &Gpu<'_>, scene: &Scene, options: Options) -> Vec<String> {
     const SLOTS: usize = 2;
     let what = format!("{} {} {} {}", scene.name, options.path, options.lights, options.strategy);
     let plan = gpu.plan(scene, options);
