@@ -6,3 +6,5 @@ mod common;
 mod created;
 #[path = "minimal/features.rs"]
 mod features;
+#[path = "minimal/used.rs"]
+mod used;

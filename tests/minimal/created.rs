@@ -89,7 +89,8 @@ fn what_is_created_is_what_is_explained() {
     on_device(None, |gpu| {
         let small = || Options { size: [64, 36], ..Options::default() };
         let mut all = Vec::new();
-        for scene in scenes::built().into_iter().chain(scenes::shipped()) {
+        let samples = scenes::sample_files().into_iter().map(|file| Scene::load(&file).unwrap());
+        for scene in scenes::built().into_iter().chain(scenes::shipped()).chain(samples) {
             all.extend(problems(gpu, &scene, small()));
         }
         for scene in [scenes::every_feature(), scenes::shadow_scenes::shadows(), scenes::foggy_lights()] {
