@@ -12,6 +12,7 @@ mod finite;
 mod gbuffer;
 mod gpu;
 mod light_scenes;
+mod layouts;
 mod quantised;
 mod scenes;
 mod surroundings;
