@@ -314,7 +314,11 @@ fn metallic128_changes_the_picture_a_little() {
     let camera = camera(Vec3::Z * 4.0, Vec3::ZERO, PERSPECTIVE);
     let ideal = settings([40, 30]);
     let truth = render(&scene, &camera, &ideal);
-    let stored = Settings { gbuffer: Some(GBuffer::new(&Options::default()).unwrap()), light_target: true, ..ideal.clone() };
+    let stored = Settings {
+        gbuffer: Some(GBuffer::new(&Options::default()).unwrap()),
+        light_target: true,
+        ..ideal.clone()
+    };
     let frame = render(&scene, &camera, &stored);
     let difference = |p: usize| (frame.pixels[p].linear - truth.pixels[p].linear).abs().max_element();
     let worst = (0..truth.pixels.len()).map(difference).fold(0.0, f64::max);

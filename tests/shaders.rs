@@ -11,8 +11,8 @@ mod reflect;
 mod shader_manifest;
 
 use ontile::gpu::shader::{
-    GBufferConstants, GeometryConstants, KIND_COUNT, LightingConstants, Module, OutputConstants, Specialization,
-    embedded_names, prune, shared,
+    GBufferConstants, GeometryConstants, KIND_COUNT, LightingConstants, Module, OutputConstants,
+    Specialization, embedded_names, prune, shared,
 };
 use ontile::gpu::shared::{
     ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush, MaterialData,
@@ -396,7 +396,11 @@ fn repeated_positions_are_invariant() {
         let whole = Reflection::new(module.spirv().unwrap());
         for set in 0..SETS {
             let pruned = prune("whole", module.spirv().unwrap(), &constants(&whole, set), None).unwrap();
-            assert!(Reflection::new(&pruned.spirv).has_invariant_position(), "{}, set {set}", module.source());
+            assert!(
+                Reflection::new(&pruned.spirv).has_invariant_position(),
+                "{}, set {set}",
+                module.source()
+            );
         }
         let mut varying = whole;
         varying

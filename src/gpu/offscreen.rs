@@ -251,9 +251,9 @@ fn decode(format: Format, texels: &[u8]) -> Vec<f32> {
             .chunks_exact(2)
             .flat_map(|t| [f32::from(u16::from_le_bytes([t[0], t[1]])) / 65535.0, 0.0, 0.0, 0.0])
             .collect(),
-        Format::D24Unorm => bytes4
-            .flat_map(|t| [(word(t) & 0xff_ffff) as f32 / 16_777_215.0, 0.0, 0.0, 0.0])
-            .collect(),
+        Format::D24Unorm => {
+            bytes4.flat_map(|t| [(word(t) & 0xff_ffff) as f32 / 16_777_215.0, 0.0, 0.0, 0.0]).collect()
+        }
         Format::B10g11r11Float => bytes4
             .map(word)
             .flat_map(|w| {
@@ -273,16 +273,13 @@ fn decode(format: Format, texels: &[u8]) -> Vec<f32> {
         Format::Rg8Unorm => {
             texels.chunks_exact(2).flat_map(|t| [unorm8(t[0]), unorm8(t[1]), 0.0, 0.0]).collect()
         }
-        Format::Rgba16Unorm => texels
-            .chunks_exact(2)
-            .map(|t| f32::from(u16::from_le_bytes([t[0], t[1]])) / 65535.0)
-            .collect(),
+        Format::Rgba16Unorm => {
+            texels.chunks_exact(2).map(|t| f32::from(u16::from_le_bytes([t[0], t[1]])) / 65535.0).collect()
+        }
         // Words are not numbers, and nothing keeps a combined format.
-        Format::R32Uint
-        | Format::Rg32Uint
-        | Format::Rgba32Uint
-        | Format::D32FloatS8
-        | Format::D24UnormS8 => Vec::new(),
+        Format::R32Uint | Format::Rg32Uint | Format::Rgba32Uint | Format::D32FloatS8 | Format::D24UnormS8 => {
+            Vec::new()
+        }
         Format::Rgba16Float => {
             texels.chunks_exact(2).map(|t| half_to_f32(u16::from_le_bytes([t[0], t[1]]))).collect()
         }

@@ -48,10 +48,8 @@ struct References {
 
 impl References {
     fn new(subpass: &Subpass) -> Self {
-        let reference = |&i: &usize, state| vk::AttachmentReference {
-            attachment: i as u32,
-            layout: conv::layout(state),
-        };
+        let reference =
+            |&i: &usize, state| vk::AttachmentReference { attachment: i as u32, layout: conv::layout(state) };
         let inputs = subpass.inputs.iter().zip(&subpass.input_states);
         Self {
             colors: subpass.colors.iter().map(|i| reference(i, State::Color)).collect(),

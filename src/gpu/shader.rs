@@ -12,8 +12,8 @@ pub use numbers::shared;
 pub use places::AttachmentPlaces;
 pub use prune::{Pruned, prune};
 pub use specialization::{
-    GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants, OutputConstants, SkyConstants,
-    Specialization, TextureSlot,
+    GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants, OutputConstants,
+    SkyConstants, Specialization, TextureSlot,
 };
 
 use std::collections::BTreeSet;

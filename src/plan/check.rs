@@ -1,7 +1,7 @@
 //! What no plan can be made of.
 
-use super::shadow::{LEAST_TEXELS, MOST_TEXELS};
 use super::layout::{GBuffer, LightPlace};
+use super::shadow::{LEAST_TEXELS, MOST_TEXELS};
 use super::{LightWay, Limits, Needs, Options, Pass};
 
 /// # Errors
@@ -76,7 +76,8 @@ pub(super) fn check_light(
     let refused = |problem: String, remedy: &str| Err(crate::Error::unsupported(problem, remedy.to_owned()));
     let LightPlace::Added { .. } = gbuffer.light else {
         if way.is_one_by_one() {
-            let problem = format!("layout {layout} has no light target to which '{way}' could add light by light");
+            let problem =
+                format!("layout {layout} has no light target to which '{way}' could add light by light");
             return refused(problem, "use --lights clusters or fullscreen, or --layout ontile128");
         }
         if !options.fold {
@@ -85,7 +86,8 @@ pub(super) fn check_light(
         }
         return match (gbuffer.light, needs.prelit.first()) {
             (LightPlace::Nowhere, Some(why)) => {
-                let problem = format!("layout {layout} has no place for light that exists before lighting: {why}");
+                let problem =
+                    format!("layout {layout} has no place for light that exists before lighting: {why}");
                 refused(problem, "use --layout ontile96 or packed128")
             }
             _ => Ok(()),

@@ -112,7 +112,10 @@ impl LightTarget {
             LightFormat::Rgba32f => (Format::Rgba32Float, "rgb: exposed light, a: padding", 96, 1.0),
         };
         let clear = Some([0.0; 4]);
-        Self { target: Target { name: "light", format, holds, used_bits, clear, tells: Tells::Surface }, range }
+        Self {
+            target: Target { name: "light", format, holds, used_bits, clear, tells: Tells::Surface },
+            range,
+        }
     }
 
     /// Whether surfaces can be told from the background by alpha.
@@ -175,11 +178,9 @@ const fn table(layout: Layout) -> Table {
             light: Read,
             ..metallic128
         },
-        Layout::Thibieroz128 => Table {
-            source: "Thibieroz 2004, \"Attribute Buffer\"",
-            form: Form::Thibieroz128,
-            ..metallic128
-        },
+        Layout::Thibieroz128 => {
+            Table { source: "Thibieroz 2004, \"Attribute Buffer\"", form: Form::Thibieroz128, ..metallic128 }
+        }
         Layout::Thibieroz96 => Table {
             source: "Thibieroz 2004, \"Optimized MRT Configuration\"",
             form: Form::Thibieroz96,
@@ -200,9 +201,7 @@ const fn table(layout: Layout) -> Table {
             light: Added(LightFormat::B10g11r11),
             ..ontile128
         },
-        Layout::Ontile64 => {
-            Table { source: "ontile128 without a light target", light: Nowhere, ..ontile128 }
-        }
+        Layout::Ontile64 => Table { source: "ontile128 without a light target", light: Nowhere, ..ontile128 },
         Layout::Packed128 => Table {
             source: "ontile128 with bits where they count, and light that is read, not blended",
             form: Form::Packed128,
@@ -469,10 +468,7 @@ const LIGHT_WORD: Target = Target {
 };
 
 const fn has_gamma(form: Form) -> bool {
-    matches!(
-        form,
-        Form::Metallic | Form::Specular | Form::Thibieroz128 | Form::Thibieroz96 | Form::Rasa128
-    )
+    matches!(form, Form::Metallic | Form::Specular | Form::Thibieroz128 | Form::Thibieroz96 | Form::Rasa128)
 }
 
 fn normal_roughness(normals: Normals) -> Target {

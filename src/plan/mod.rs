@@ -45,8 +45,8 @@ pub use lights::{ClusterBudget, VolumeShape};
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
 pub use options::{
-    DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, OutputUse, Path, ShadowFilter, ShadowFormat, ShadowOptions,
-    Strategy, Tonemap,
+    DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, OutputUse, Path,
+    ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
 };
 pub use shadow::{
     CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, bias_texels, spread_texels,
@@ -320,8 +320,7 @@ impl Plan {
         if path == Path::Deferred && needs.lit.is_some() {
             check_light(&gbuffer, &needs, &options, light_way)?;
         }
-        let frame =
-            stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil);
+        let frame = stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil);
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
@@ -441,7 +440,8 @@ fn notes(
         );
     } else {
         let clips = |light: &LightTarget| {
-            let is_there = attachments.iter().any(|a| a.name == light.target.name && a.format == light.target.format);
+            let is_there =
+                attachments.iter().any(|a| a.name == light.target.name && a.format == light.target.format);
             is_there && light.target.format == Format::Rgb10a2Unorm
         };
         let light = gbuffer.added_light(false).map(|(light, _)| light).filter(clips);

@@ -236,7 +236,11 @@ impl Frame {
             surface.push(add(word, options.keep_gbuffer, light_why.clone()));
         }
         let (light, split) = added_light(gbuffer, one_by_one);
-        let other = Target { name: "specular_light", holds: "rgb: exposed light but for diffuse light", ..light.target };
+        let other = Target {
+            name: "specular_light",
+            holds: "rgb: exposed light but for diffuse light",
+            ..light.target
+        };
         let targets = [Some(light.target), split.then_some(other)];
         let lights_added: Vec<_> = if folded {
             Vec::new()

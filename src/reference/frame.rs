@@ -148,7 +148,10 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
                 Background::Environment => around.sky(view.ray_through_pixel([x, y]).direction.normalize()),
                 Background::Black | Background::Color(_) => DVec3::ZERO,
             };
-            return Pixel { edge, ..finish(scene, (&view, [x, y]), settings, None, Attributes::default(), sky) };
+            return Pixel {
+                edge,
+                ..finish(scene, (&view, [x, y]), settings, None, Attributes::default(), sky)
+            };
         };
         let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
         let exact = attributes(&visibility, &around, &view, position_world, hit);

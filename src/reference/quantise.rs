@@ -367,8 +367,7 @@ fn read256(form: Form, words: [u32; 8]) -> Read {
         let yz = halves_in(words[5]);
         let normal = DVec3::new(halves_in(words[4]).y, yz.x, yz.y);
         let roughness_metallic = halves_in(words[6]).abs();
-        let normal =
-            (normal != DVec3::ZERO).then(|| (normal.normalize_or_zero(), roughness_metallic.x));
+        let normal = (normal != DVec3::ZERO).then(|| (normal.normalize_or_zero(), roughness_metallic.x));
         return Read { light: Some(light), ..Read::at(position, normal) }
             .colored(from_b10g11r11_word(words[7]), roughness_metallic.y);
     }

@@ -5,7 +5,8 @@ use ontile::glam::{DVec3, DVec4};
 use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{
-    DepthStore, Gamma, Layout, LightFormat, LightPlace, Needs, Normals, Options, OutputFormat, Path, Plan, Tonemap,
+    DepthStore, Gamma, Layout, LightFormat, LightPlace, Needs, Normals, Options, OutputFormat, Path, Plan,
+    Tonemap,
 };
 use ontile::reference::around::Method;
 use ontile::reference::{Settings, Stored};

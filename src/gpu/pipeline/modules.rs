@@ -1,8 +1,8 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants, Module, OutputConstants,
-    SkyConstants, Specialization, TextureSlot, shared,
+    GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants, Module,
+    OutputConstants, SkyConstants, Specialization, TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
 use crate::plan::{Pipeline, Plan, SurfaceKind, VolumeShape};
@@ -34,9 +34,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         }
         Pipeline::Lighting => (Module::Fullscreen, Some(Module::Lighting), Specialization::default()),
         Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
-        Pipeline::LightVolume(shape) => {
-            (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape))
-        }
+        Pipeline::LightVolume(shape) => (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape)),
         Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), Specialization::default()),
     };
     let lighting = lighting_constants(plan, pipeline).specialization();

@@ -36,10 +36,7 @@ impl AttachmentPlaces {
         let number = |kind: &str, name: &&str| {
             let wanted = format!("{kind}_{}", name.to_uppercase());
             numbers::find(&wanted).ok_or_else(|| {
-                Error::unsupported(
-                    format!("no shader has {wanted}"),
-                    "name the attachment in glsl/shared.h",
-                )
+                Error::unsupported(format!("no shader has {wanted}"), "name the attachment in glsl/shared.h")
             })
         };
         let numbers = |kind, names: &[&str]| -> Result<Vec<u32>> {

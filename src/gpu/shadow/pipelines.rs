@@ -4,7 +4,9 @@ use ash::vk;
 
 use super::super::descriptor::{Binding, set_layout};
 use super::super::pipeline::shader_module;
-use super::super::shader::{AttachmentPlaces, GeometryConstants, Module, Shaders, Specialization, TextureSlot, shared};
+use super::super::shader::{
+    AttachmentPlaces, GeometryConstants, Module, Shaders, Specialization, TextureSlot, shared,
+};
 use super::super::shared::ShadowPush;
 use super::super::{Called, Device, Image, Owned, PipelineCache, texel_bytes};
 use crate::Result;

@@ -80,17 +80,15 @@ mod tests {
         assert_eq!((half(1.0), half(65504.0), half(1e9), half(-2.5)), (1.0, 65504.0, 65504.0, -2.5));
         assert_eq!((half(2049.0), half(2051.0)), (2048.0, 2052.0), "ties to even");
         assert_eq!((half(0.75 * 2f64.powi(-24)), half(0.25 * 2f64.powi(-24))), (2f64.powi(-24), 0.0));
-        assert_eq!(b10g11r11(DVec3::new(1e9, 1.0 + 1.0 / 64.0, 1.0 + 1.0 / 64.0)).to_array(), [
-            65024.0,
-            1.0 + 1.0 / 64.0,
-            1.0
-        ]);
+        assert_eq!(
+            b10g11r11(DVec3::new(1e9, 1.0 + 1.0 / 64.0, 1.0 + 1.0 / 64.0)).to_array(),
+            [65024.0, 1.0 + 1.0 / 64.0, 1.0]
+        );
         // Nine bits: of the largest channel's 256 to 511 steps, the smaller ones have the same.
-        assert_eq!(e5b9g9r9(DVec3::new(1.0, 0.5 / 256.0 + 1e-9, 0.1 / 256.0)).to_array(), [
-            1.0,
-            1.0 / 256.0,
-            0.0
-        ]);
+        assert_eq!(
+            e5b9g9r9(DVec3::new(1.0, 0.5 / 256.0 + 1e-9, 0.1 / 256.0)).to_array(),
+            [1.0, 1.0 / 256.0, 0.0]
+        );
         assert_eq!(e5b9g9r9(DVec3::new(511.6, 0.0, 1.0)).to_array(), [512.0, 0.0, 2.0]);
     }
 }

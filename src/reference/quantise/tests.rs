@@ -125,7 +125,10 @@ fn greatest_error(normals: Normals, facing: bool) -> f64 {
     wanted.fold(0.0, |most: f64, n| {
         let stored = normals::encode(normals, n, 0.5, &view);
         let (back, roughness) = normals::decode(normals, stored, &view).expect("it is lit");
-        assert!((roughness - 0.5).abs() <= 0.5 / 255.0 && (back.length() - 1.0).abs() < 1e-6, "{normals} {n}");
+        assert!(
+            (roughness - 0.5).abs() <= 0.5 / 255.0 && (back.length() - 1.0).abs() < 1e-6,
+            "{normals} {n}"
+        );
         most.max(angle_degrees(back, n))
     })
 }
@@ -142,7 +145,10 @@ fn encodings_of_normals_err_by_what_they_are_said_to() {
         (Normals::Float, 1e-5),
     ] {
         let found = greatest_error(normals, false);
-        assert!(found <= most && found > 0.5 * most * f64::from(u8::from(normals != Normals::Float)), "{normals}: {found}");
+        assert!(
+            found <= most && found > 0.5 * most * f64::from(u8::from(normals != Normals::Float)),
+            "{normals}: {found}"
+        );
     }
     // Equal-area: at most half a step of 1 / 2047 each way, times 2 sqrt(2) / sqrt(1 - p²) on the half that is seen.
     assert!(greatest_error(Normals::Sphere12, true) < 0.08, "{}", greatest_error(Normals::Sphere12, true));
@@ -180,7 +186,9 @@ fn what_is_not_lit_reads_back_so() {
 
 #[test]
 fn words_come_back() {
-    for v in [DVec3::new(1.0, 0.5, 0.25), DVec3::new(3.1, 0.0, 1e-5), DVec3::new(60000.0, 7.0, 1.0), DVec3::ZERO] {
+    for v in
+        [DVec3::new(1.0, 0.5, 0.25), DVec3::new(3.1, 0.0, 1e-5), DVec3::new(60000.0, 7.0, 1.0), DVec3::ZERO]
+    {
         assert_eq!(from_word(word_of(e5b9g9r9(v))), e5b9g9r9(v));
         assert_eq!(from_b10g11r11_word(b10g11r11_word(v)), b10g11r11(v));
         let pair = halves_in(halves(v.x, -v.y));
