@@ -58,7 +58,7 @@ fn compare_tells_people_and_programs() {
     let folder = pictures();
     let text = expect(folder.path(), 0, &["compare", "a.png", "b.png"]);
     // Red differs by one step of 255 and green and blue do not: 10 log10(255² * 3) = 52.90 dB.
-    for expected in ["16x16, 256 compared", "256 (100.000 %)", "52.90 dB", "SSIM"] {
+    for expected in ["16x16, 256 compared", "256 (100.000 %)", "52.90 dB", "SSIM", "FLIP", "CIEDE2000"] {
         assert!(text.contains(expected), "{expected} is missing in:\n{text}");
     }
     let json = expect(folder.path(), 0, &["compare", "a.png", "b.png", "--json", "--mask", "half.png"]);
@@ -68,6 +68,30 @@ fn compare_tells_people_and_programs() {
     assert_eq!(json["channels"][0]["max"], 1.0);
     assert_eq!(json["channels"][1]["max"], 0.0);
     assert_eq!(json["unit"], "8-bit steps");
+}
+
+#[test]
+fn the_model_is_fed_by_hand() {
+    let folder = tempfile::tempdir().unwrap();
+    let json = |args: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&expect(folder.path(), 0, args)).unwrap()
+    };
+    let table = json(&["model", "--table-2", "--json"]);
+    assert_eq!((&table[8]["n_mrt"], &table[8]["mrt_bpp"]), (&4.into(), &128.into()));
+    assert_eq!(table[8]["printed_gb_s"], 42.0);
+    // By hand, a pixel: 3 * 4 + 1.5 * 4 of depth, 2 * 3 * 1.5 of textures, 16 * 1.5 of targets; then 2 * (8 + 12 + 16).
+    let hand = json(&["model", "--size", "100x10", "--n", "2", "--c-geometry", "0", "--fps", "30", "--json"]);
+    let both =
+        hand["bandwidth_b_s"]["read"].as_f64().unwrap() + hand["bandwidth_b_s"]["written"].as_f64().unwrap();
+    assert_eq!(both, 30.0 * 1000.0 * (51.0 + 72.0));
+    assert!(hand["approximated_b_s"].is_null());
+    assert!(expect(folder.path(), 0, &["model"]).contains("approximated (7), GB/s"));
+    assert!(
+        expect(folder.path(), 1, &["model", "--sorting", "4"]).contains("Sorting (4) is above Overdraw (3)")
+    );
+    for wrong in [&["--n", "-1"][..], &["--t-b", "NaN"], &["--fps", "inf"], &["--table-2", "--n", "3"]] {
+        expect(folder.path(), 2, &[&["model"], wrong].concat());
+    }
 }
 
 #[test]

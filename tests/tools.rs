@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{ignored, swiftshader::swiftshader_env, turnip::Turnip};
+use common::{ignored, swiftshader::swiftshader_env, turnip};
 use std::{path::Path, process::Command};
 
 /// The exit status of a script whose product cannot exist on this machine.
@@ -24,7 +24,7 @@ fn summary(mut command: Command) -> String {
 
 #[test]
 fn turnip_is_the_adreno_that_was_asked_for() {
-    let (Some(turnip), Some(vulkaninfo)) = (Turnip::find(), vulkaninfo()) else { return };
+    let (Some(turnip), Some(vulkaninfo)) = (turnip::find(), vulkaninfo()) else { return };
     for gpu_id in [630, 660, 740] {
         let text = summary(turnip.command(gpu_id, vulkaninfo));
         assert!(text.contains(&format!("Turnip Adreno (TM) {gpu_id}")), "{gpu_id}: {text}");

@@ -258,7 +258,8 @@ fn count(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| "give a whole number, 0 or more".into())
 }
 
-fn exposure(text: &str) -> Result<f32, String> {
+/// Stops.
+pub fn exposure(text: &str) -> Result<f32, String> {
     const MAX_EV: f32 = 64.0;
     match text.parse::<f32>() {
         Ok(ev) if ev.abs() <= MAX_EV => Ok(ev),

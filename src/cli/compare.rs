@@ -13,8 +13,9 @@ use super::{output, print};
 /// Say how far picture B is from the reference A.
 ///
 /// Prints the maximum and mean difference of each channel (in steps of 1/255 for 8-bit pictures, in linear light
-/// for floats), how many pixels differ, the mean squared error, PSNR and SSIM, and for floats the relative error
-/// that 95 % of the values stay below. Reads PNG, JPEG and OpenEXR; both must be of one size and kind.
+/// for floats), how many pixels differ, the mean squared error, PSNR and SSIM; what an eye sees of it (FLIP, and the
+/// colour difference CIEDE2000); and for floats the largest relative error and the one that 95 % of the values stay
+/// below. Reads PNG, JPEG and OpenEXR; both must be of one size and kind.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:

@@ -3,14 +3,17 @@
 mod args;
 mod bake;
 mod bake_environment;
+mod chart;
 mod compare;
 mod info;
+mod model;
 mod output;
 mod plan;
 mod print;
 mod progress;
 mod render;
 mod scene;
+mod stability;
 
 use std::process::ExitCode;
 
@@ -34,7 +37,10 @@ enum Command {
     Plan(plan::PlanCommandArgs),
     Info(info::InfoArgs),
     Compare(compare::CompareArgs),
+    Chart(chart::ChartArgs),
+    Model(model::ModelArgs),
     Bake(bake::BakeArgs),
+    Stability(stability::StabilityArgs),
 }
 
 /// Runs the program with the process's arguments.
@@ -52,7 +58,10 @@ pub fn main() -> ExitCode {
         Command::Plan(args) => plan::run(args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Chart(args) => chart::run(args),
+        Command::Model(args) => model::run(args),
         Command::Bake(args) => bake::run(args),
+        Command::Stability(args) => stability::run(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -17,6 +17,13 @@ pub fn value<T: Display + Serialize>(value: &T, json: bool) -> Result<()> {
     } else {
         value.to_string()
     };
+    self::text(&text)
+}
+
+/// Prints a text for people.
+///
+/// A reader that went away early has what it wanted: that is no error.
+pub fn text(text: &dyn Display) -> Result<()> {
     let mut out = io::stdout().lock();
     match writeln!(out, "{text}").and_then(|()| out.flush()) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => {

@@ -22,6 +22,11 @@ impl Progress {
         Self(ProgressBar::new(count).with_style(style).with_message(what.into()))
     }
 
+    /// What is being done now.
+    pub fn tell(&self, what: &str) {
+        self.0.set_message(what.to_owned());
+    }
+
     /// One step is done.
     pub fn step(&self) {
         self.0.inc(1);

@@ -10,6 +10,7 @@ use ontile::scene::{Background, FogHeight};
 use super::bake::LightmapArgs;
 use super::bake_environment::EnvironmentArgs;
 use super::info::InfoArgs;
+use super::model::ModelArgs;
 use super::plan::PlanCommandArgs;
 use super::progress::Progress;
 use super::render::{self, RenderArgs};
@@ -37,6 +38,7 @@ fn definitions_are_sound() {
     command::<PlanCommandArgs>().debug_assert();
     command::<InfoArgs>().debug_assert();
     command::<EnvironmentArgs>().debug_assert();
+    command::<ModelArgs>().debug_assert();
     command::<LightmapArgs>().debug_assert();
 }
 

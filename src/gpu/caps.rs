@@ -63,6 +63,8 @@ pub struct Caps {
     pub pipeline_statistics: bool,
     /// The `imageCubeArray` feature.
     pub image_cube_array: bool,
+    /// The `occlusionQueryPrecise` feature.
+    pub occlusion_precise: bool,
     /// VK_KHR_dynamic_rendering_local_read.
     pub local_read: bool,
     /// VK_EXT_rasterization_order_attachment_access (or Arm's original) for colour.
@@ -227,6 +229,7 @@ impl Caps {
             },
             pipeline_statistics: features.pipeline_statistics_query == vk::TRUE,
             image_cube_array: features.image_cube_array == vk::TRUE,
+            occlusion_precise: features.occlusion_query_precise == vk::TRUE,
             local_read: local_read.dynamic_rendering_local_read == vk::TRUE,
             rasterization_order_attachment_access: order.rasterization_order_color_attachment_access
                 == vk::TRUE,

@@ -44,6 +44,8 @@ pub struct Features {
     pub pipeline_statistics: bool,
     /// `imageCubeArray`: scenes with probes want it.
     pub image_cube_array: bool,
+    /// `occlusionQueryPrecise`: fragments can be counted.
+    pub occlusion_precise: bool,
 }
 
 /// A Vulkan device and what is needed to use it. Clones are cheap and share everything.

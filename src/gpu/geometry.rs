@@ -77,15 +77,16 @@ impl IndexWidth {
         }
     }
 
-    fn bytes(self) -> u64 {
+    /// Bytes of an index.
+    pub fn bytes(self) -> u64 {
         match self {
             Self::U16 => 2,
             Self::U32 => 4,
         }
     }
 
-    /// 16 bits leave out the value that restarts strips.
-    fn for_vertices(count: usize) -> Self {
+    /// For a mesh of so many vertices. 16 bits leave out the value that restarts strips.
+    pub fn for_vertices(count: usize) -> Self {
         if count <= usize::from(u16::MAX) { Self::U16 } else { Self::U32 }
     }
 }

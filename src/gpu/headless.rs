@@ -231,7 +231,8 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&[1.0])];
     let features = vk::PhysicalDeviceFeatures::default()
         .pipeline_statistics_query(caps.pipeline_statistics)
-        .image_cube_array(caps.image_cube_array);
+        .image_cube_array(caps.image_cube_array)
+        .occlusion_query_precise(caps.occlusion_precise);
     let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_features(&features);
     // SAFETY: the family exists, and the features are those that the device has.
     let raw = unsafe { instance.raw.create_device(physical_device, &info, None) }.called("vkCreateDevice")?;
@@ -248,6 +249,7 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
             debug_utils: instance.debug_utils,
             pipeline_statistics: caps.pipeline_statistics,
             image_cube_array: caps.image_cube_array,
+            occlusion_precise: caps.occlusion_precise,
         },
     };
     let owned = OwnedDevice { raw, _instance: instance };

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::Mat4;
 
+use super::fragments::{DrawCount, FragmentQueries};
 use super::pass::create_render_pass;
 use super::pipeline::Pipelines;
 use super::scene_data::SceneData;
@@ -37,6 +38,8 @@ pub struct RendererConfig {
     /// Tiles of the shadow map that one frame draws again at most, so that frames take alike. While a tile waits, its shadows
     /// are those of when it was drawn last. Tiles that were never drawn do not wait.
     pub shadow_tiles_per_frame: usize,
+    /// Count the fragments of every draw, for [`Renderer::draw_counts`]. Tilers may lose time by it. Same pixels.
+    pub count_fragments: bool,
 }
 
 impl Default for RendererConfig {
@@ -47,6 +50,7 @@ impl Default for RendererConfig {
             stage_timestamps: false,
             cull: true,
             shadow_tiles_per_frame: usize::MAX,
+            count_fragments: false,
         }
     }
 }
@@ -68,6 +72,7 @@ pub struct Renderer {
     // In order of destruction.
     upload: Option<Upload>,
     queries: Queries,
+    fragments: Option<FragmentQueries>,
     shadows: Option<Shadows>,
     scene: SceneData,
     pipelines: Pipelines,
@@ -130,9 +135,13 @@ impl Renderer {
         let shadows = shadows.transpose()?;
         let timestamps = if config.stage_timestamps { plan.stage_count() + 1 } else { 2 };
         let queries = Queries::new(device, timestamps as u32, slot_count as u32)?;
+        let fragments = config
+            .count_fragments
+            .then(|| FragmentQueries::new(device, &plan, data.objects().batches().len(), slot_count));
         Ok(Self {
             upload: Some(upload),
             queries,
+            fragments: fragments.transpose()?,
             shadows,
             scene: data,
             pipelines,
@@ -203,6 +212,15 @@ impl Renderer {
     /// [`Error::Vulkan`], e.g. when the device was lost.
     pub fn query_results(&self, slot: usize) -> Result<QueryResults> {
         self.queries.results(slot as u32)
+    }
+
+    /// How many fragments each draw brought of the frame recorded with this slot, shadow maps aside, in the order of
+    /// recording; the GPU has finished it. Empty without [`RendererConfig::count_fragments`].
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`], e.g. when the device was lost.
+    pub fn draw_counts(&self, slot: usize) -> Result<Vec<DrawCount>> {
+        self.fragments.as_ref().map_or(Ok(Vec::new()), |fragments| fragments.results(slot))
     }
 
     /// Device memory of the scene's buffers and textures.
@@ -291,8 +309,13 @@ impl Renderer {
         let shadows = self.shadows.as_mut().map(|s| s.record(recorder, slot, view, aspect, &self.scene));
         let shadows = shadows.unwrap_or_default();
         let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };
-        let mut frame = Frame { renderer: self, recorder, slot, target, output, counts, bound_frame: None };
+        let mut fragments = self.fragments.take();
+        fragments.iter_mut().for_each(|fragments| fragments.reset(recorder, slot));
+        let mut frame =
+            Frame { renderer: self, recorder, slot, target, output, counts, bound_frame: None, fragments };
         frame.record();
-        self.recorded = Recorded { counts: frame.counts, light_lists: seen.light_lists, shadows };
+        let Frame { counts, fragments, .. } = frame;
+        self.fragments = fragments;
+        self.recorded = Recorded { counts, light_lists: seen.light_lists, shadows };
     }
 }

@@ -2,13 +2,16 @@
 
 use std::fmt;
 
+use glam::DVec3;
 use image::{GrayImage, imageops};
 use image_compare::Algorithm;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::flip::{PIXELS_PER_DEGREE, flip};
 use super::metrics::{ErrorStats, percentile, psnr_db, relative_error};
 use super::pairs::{Difference, Pairs};
+use super::{ciede2000, lab_from_linear};
 use crate::Result;
 use crate::picture::{Picture, Pixels};
 
@@ -17,7 +20,7 @@ const CHANNELS: [&str; 4] = ["red", "green", "blue", "alpha"];
 
 /// The linear value of the first step of 8-bit sRGB: darker references are as good as black to a viewer at
 /// exposure 0, so relative errors take at least this as the whole.
-const RELATIVE_FLOOR: f64 = 1.0 / (255.0 * 12.92);
+pub const RELATIVE_FLOOR: f64 = 1.0 / (255.0 * 12.92);
 
 /// The width and height of the windows in which the crate `image-compare` takes SSIM.
 const SSIM_WINDOW_PX: u32 = 8;
@@ -53,6 +56,15 @@ pub struct Comparison {
     /// The relative error that 95 % of the colour values do not exceed; only for floats. Where the reference is
     /// below the first step of 8-bit sRGB, 1 / (255 * 12.92), the error is relative to that.
     pub relative_error_p95: Option<f64>,
+    /// The largest relative error of all colour values, by the same floor; only for floats.
+    pub relative_error_max: Option<f64>,
+    /// The mean of [`flip`] over the pixels that count, seen at [`PIXELS_PER_DEGREE`]; floats are clamped to what a display
+    /// shows. 0 is equal, 1 the most.
+    pub flip_mean: f64,
+    /// The colour difference [`ciede2000`] that 95 % of the pixels do not exceed, floats clamped in the same way.
+    pub ciede2000_p95: f64,
+    /// The largest of them.
+    pub ciede2000_max: f64,
     /// Structural similarity (Wang et al. 2004) of the 8-bit sRGB pictures as the crate `image-compare` has it:
     /// windows of 8x8 pixels that do not overlap, the worst of red, green and blue; 1 is equal. It takes sums for
     /// the paper's variances, which makes it stricter than others in smooth areas.
@@ -97,8 +109,12 @@ impl fmt::Display for Comparison {
             None => writeln!(f, "{:<12}undefined: the reference is black", "PSNR")?,
         }
         if let Some(error) = self.relative_error_p95 {
-            writeln!(f, "{:<12}{error:.6} (95th percentile)", "relative")?;
+            let max = self.relative_error_max.unwrap_or(f64::NAN);
+            writeln!(f, "{:<12}{error:.6} (95th percentile), {max:.6} (max)", "relative")?;
         }
+        writeln!(f, "{:<12}{:.6} (mean)", "FLIP", self.flip_mean)?;
+        let (p95, max) = (self.ciede2000_p95, self.ciede2000_max);
+        writeln!(f, "{:<12}{p95:.4} (95th percentile), {max:.4} (max)", "CIEDE2000")?;
         write!(f, "{:<12}{:.6}", "SSIM", self.ssim)
     }
 }
@@ -162,6 +178,15 @@ pub fn compare(a: &Picture, b: &Picture, mask: Option<&Picture>) -> Result<Compa
             }
         }
     }
+    let displays = [a, b].map(display_light);
+    let [shown_a, shown_b] = displays.each_ref();
+    let errors = flip(shown_a, shown_b, [a.width, a.height], PIXELS_PER_DEGREE);
+    let (mut flips, mut ciede) = (ErrorStats::default(), Vec::new());
+    let finite = |&i: &usize| pairs.difference(i).finite().is_some();
+    for i in pairs.counted().filter(finite) {
+        flips.add(errors[i], 0.0);
+        ciede.push(ciede2000(lab_from_linear(shown_a[i]), lab_from_linear(shown_b[i])));
+    }
     let color = stats[0].union(stats[1]).union(stats[2]);
     let peak = if unit == Unit::Steps8Bit { 255.0 } else { largest };
     Ok(Comparison {
@@ -178,8 +203,20 @@ pub fn compare(a: &Picture, b: &Picture, mask: Option<&Picture>) -> Result<Compa
         peak,
         psnr_db: Some(psnr_db(color.mse(), peak)).filter(|db| db.is_finite()),
         relative_error_p95: percentile(&mut relative, 0.95),
+        relative_error_max: percentile(&mut relative, 1.0),
+        flip_mean: flips.mean(),
+        ciede2000_p95: percentile(&mut ciede, 0.95).unwrap_or(0.0),
+        ciede2000_max: percentile(&mut ciede, 1.0).unwrap_or(0.0),
         ssim: ssim(a, b, &pairs),
     })
+}
+
+/// Linear light as a display shows it: from 0 to 1, not a number as black.
+fn display_light(picture: &Picture) -> Vec<DVec3> {
+    let Pixels::Rgba32F(channels) = picture.to_linear().pixels else { unreachable!("converted to floats") };
+    // Unlike `clamp`, `max` and `min` take the number where the other is none.
+    let shown = |c: f32| f64::from(c).max(0.0).min(1.0);
+    channels.chunks_exact(4).map(|p| DVec3::new(shown(p[0]), shown(p[1]), shown(p[2]))).collect()
 }
 
 /// See [`Comparison::ssim`]: for each channel, the mean over the pixels that count of their windows' similarity.

@@ -1,12 +1,39 @@
-//! How far pictures are from each other.
+//! How far pictures are from each other, where methods fail, and what frames cost.
 
+pub mod bandwidth;
+#[cfg(feature = "cli")]
+pub mod canvas;
+#[cfg(feature = "cli")]
+pub mod chart;
+mod ciede;
+mod color;
 #[cfg(feature = "cli")]
 mod compare;
 mod false_color;
+mod flip;
+#[cfg(feature = "cli")]
+mod host;
 pub mod metrics;
 mod pairs;
-pub mod tiler;
-
 #[cfg(feature = "cli")]
-pub use compare::{ChannelError, Comparison, Unit, compare};
+pub mod plot;
+#[cfg(feature = "cli")]
+mod race;
+#[cfg(feature = "cli")]
+pub mod stability;
+mod stats;
+pub mod tiler;
+#[cfg(feature = "cli")]
+pub mod turnip;
+
+pub use ciede::ciede2000;
+pub use color::lab_from_linear;
+#[cfg(feature = "cli")]
+pub use compare::{ChannelError, Comparison, RELATIVE_FLOOR, Unit, compare};
 pub use false_color::{NON_FINITE_RGB, false_color, magma};
+pub use flip::{PIXELS_PER_DEGREE, flip};
+#[cfg(feature = "cli")]
+pub use host::{FrameTimes, Host};
+#[cfg(feature = "cli")]
+pub use race::{Clock, Effort, Racer, race, rounded_ms};
+pub use stats::Summary;

@@ -9,8 +9,10 @@
 
 mod access;
 mod around;
+mod bins;
 mod budget;
 mod check;
+mod choice;
 mod counts;
 mod derive;
 mod format;
@@ -33,7 +35,9 @@ use check::{check_counts, check_dither, check_light, check_shadows};
 
 pub use access::{Access, Scope, State};
 pub use around::{Around, AroundImage, EnvironmentNeed};
+pub use bins::{Adreno, Bins, Occupancy};
 pub use budget::{Verdict, verdicts};
+pub use choice::Choice;
 pub use counts::{FrameCounts, Seen, StateChanges};
 pub use format::Format;
 pub use layout::{Form, GBuffer, LightPlace, LightTarget, Target, Tells};

@@ -5,7 +5,9 @@ use ontile::glam::{Mat4, Vec3};
 use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
-use ontile::plan::{Access, Layout, LightWay, Needs, Options, Path as LightPath, Plan, Store, Strategy};
+use ontile::plan::{
+    Access, Adreno, Bins, Layout, LightWay, Needs, Options, Path as LightPath, Plan, Store, Strategy,
+};
 use ontile::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -50,6 +52,8 @@ pub enum Fault {
 pub struct Told {
     /// `ontile::plan::Report`.
     pub report: serde_json::Value,
+    /// The bins of the last pass as the plan predicts them, by the number in the GPU's name.
+    pub bins: Vec<(u32, Option<Bins>)>,
     /// Whether timestamps and pipeline statistics were recorded. (No GPU, no results.)
     pub queries: bool,
     /// What the validation layer said.
@@ -116,6 +120,8 @@ impl Case {
         let plan = self.plan(&scene);
         // One pass means what it does; of separate ones all advice is wanted.
         let expected = if plan.passes.len() == 1 { expected_advice(&plan) } else { Vec::new() };
+        let occupancy = plan.occupancy(plan.passes.len() - 1);
+        let bins = Adreno::ALL.map(|adreno| (adreno.id, adreno.bins(&occupancy, SIZE))).into();
         let mut offscreen = Offscreen::new(host.device(), &scene, plan, config, &cache).unwrap();
         let view = View { camera: &scene.cameras[0], exposure_ev: 0.0 };
         offscreen.render(&view).unwrap();
@@ -131,7 +137,7 @@ impl Case {
         drop((offscreen, cache));
         let mut messages = host.finish();
         messages.retain(|message| !expected.iter().any(|part| message.contains(part)));
-        let told_now = Told { report, queries, messages };
+        let told_now = Told { report, bins, queries, messages };
         std::fs::write(told, serde_json::to_vec(&told_now).unwrap()).unwrap();
     }
 }

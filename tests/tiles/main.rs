@@ -9,9 +9,9 @@ mod child;
 mod common;
 
 use child::{Case, Fault, Told};
-use common::turnip::Turnip;
+use common::turnip::{self, Turnip};
 use ontile::measure::tiler::{TilerTrace, Verdict};
-use ontile::plan::{Layout, LightWay, Path as LightPath, Strategy};
+use ontile::plan::{Bins, Layout, LightWay, Path as LightPath, Strategy};
 use serde_json::Value;
 use std::{path::Path, thread};
 
@@ -47,7 +47,7 @@ impl Frame {
         let mut command = turnip.command(gpu, &std::env::current_exe().unwrap());
         command.args(["--ignored", "--exact", "child_renders", "--nocapture"]);
         command.env(CASE, serde_json::to_string(case).unwrap()).env(TOLD, &told);
-        let trace = Turnip::trace(command).trace;
+        let trace = turnip::trace(command).trace;
         let told = std::fs::read(&told).unwrap_or_else(|e| panic!("{case:?} on {gpu} told nothing: {e}"));
         let told: Told = serde_json::from_slice(&told).unwrap();
         Self { trace, told }
@@ -137,7 +137,7 @@ fn spoilt(fault: Fault) -> Case {
 
 #[test]
 fn tiles_of_the_shadow_map_are_composed_without_a_load() {
-    let Some(turnip) = Turnip::find() else { return };
+    let Some(turnip) = turnip::find() else { return };
     frames(&turnip, &Case { moves: true, ..metallic("shadows") }, |gpu, frame| {
         let figures = &frame.told.report["device"]["shadows"];
         assert!(figures["tiles_composed"].as_u64() > Some(0), "{gpu}: {figures}");
@@ -151,7 +151,7 @@ fn tiles_of_the_shadow_map_are_composed_without_a_load() {
 
 #[test]
 fn one_pass_stays_on_the_tile() {
-    let Some(turnip) = Turnip::find() else { return };
+    let Some(turnip) = turnip::find() else { return };
     let cases = [
         (3, metallic(ALL_STAGES)),
         (3, Case { recycle: false, ..metallic(ALL_STAGES) }),
@@ -199,6 +199,11 @@ fn on_tile(gpu: u32, case: &Case, subpasses: usize, frame: &Frame) {
     assert_eq!(pass.attachments as usize, attachments(report).len());
     assert_eq!([pass.width_px, pass.height_px], child::SIZE);
 
+    let chosen = Bins { count: pass.bins, size_px: [pass.bin_width_px, pass.bin_height_px] };
+    let predicted =
+        frame.told.bins.iter().find(|(id, _)| *id == gpu).expect("each GPU's bins are predicted").1;
+    assert_eq!(predicted, Some(chosen), "{case:?} on {gpu}: the bins that the plan predicts");
+
     let bits: u64 = attachments(report).iter().map(|a| a["bits"].as_u64().unwrap()).sum();
     println!(
         "Adreno {gpu}: {subpasses} subpasses, {}{}: {} bytes a pixel in all attachments, {} bins of {}x{}",
@@ -213,7 +218,7 @@ fn on_tile(gpu: u32, case: &Case, subpasses: usize, frame: &Frame) {
 
 #[test]
 fn stored_attachments_and_several_passes_are_found_out() {
-    let Some(turnip) = Turnip::find() else { return };
+    let Some(turnip) = turnip::find() else { return };
     let separate = Case { strategy: Strategy::Separate, ..metallic(ALL_STAGES) };
     frames(&turnip, &separate, |_, frame| {
         frame.expect_objection("3 render passes instead of 1");
@@ -235,7 +240,7 @@ fn stored_attachments_and_several_passes_are_found_out() {
 
 #[test]
 fn wrong_dependencies_are_found_out() {
-    let Some(turnip) = Turnip::find() else { return };
+    let Some(turnip) = turnip::find() else { return };
     // What makes the driver give up tiling, which no validation sees: the picture stays right.
     frames(&turnip, &spoilt(Fault::NotByRegion), |_, frame| {
         frame.expect_objection("not tiled");
@@ -255,7 +260,7 @@ fn wrong_dependencies_are_found_out() {
 /// Ordinary memory for a debugger's sake: the frame is tiled as before, but the memory is there.
 #[test]
 fn captured_frames_have_memory() {
-    let Some(turnip) = Turnip::find() else { return };
+    let Some(turnip) = turnip::find() else { return };
     let case = Case { capture: true, ..metallic(ALL_STAGES) };
     frames(&turnip, &case, |_, frame| {
         assert_eq!(frame.trace.verdict(OUTPUT_BYTES_PER_PIXEL), Verdict::OnTile);
@@ -267,7 +272,7 @@ fn captured_frames_have_memory() {
 /// Queries around the frame and after each stage: no reason to leave the tile.
 #[test]
 fn queries_do_not_leave_the_tile() {
-    let Some(turnip) = Turnip::find() else { return };
+    let Some(turnip) = turnip::find() else { return };
     let case = Case { stage_timestamps: true, ..metallic(ALL_STAGES) };
     frames(&turnip, &case, |gpu, frame| {
         assert!(frame.told.queries, "{gpu} has no queries to record");
@@ -280,7 +285,7 @@ fn queries_do_not_leave_the_tile() {
 #[test]
 fn the_program_stays_on_the_tile() {
     use common::scenes::{sample_files, shipped_files};
-    let Some(turnip) = Turnip::find() else { return };
+    let Some(turnip) = turnip::find() else { return };
     let folder = tempfile::tempdir().unwrap();
     let (picture, report) = (folder.path().join("frame.png"), folder.path().join("frame.json"));
     let scenes = shipped_files();
@@ -290,7 +295,7 @@ fn the_program_stays_on_the_tile() {
         command.arg("render").arg(&scene).arg("-o").arg(&picture).args(["--size", "1280x720", "--validate"]);
         command.arg("--report").arg(&report).env("XDG_CACHE_HOME", folder.path());
         // The program fails if the validation layer says anything.
-        let trace = Turnip::trace(command).trace;
+        let trace = turnip::trace(command).trace;
         let report: Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
         let tiles = shadow_tiles(&report);
         let verdict = trace.after(tiles).verdict(OUTPUT_BYTES_PER_PIXEL);

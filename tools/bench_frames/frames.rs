@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 
 use ontile::Result;
 use ontile::gpu::{Device, View};
+use ontile::measure::{FrameTimes, Host, Summary};
 use ontile::plan::{Layout, Options, Strategy};
 use serde::Serialize;
 
-use super::host::{FrameTimes, Host};
 use super::scenes;
-use super::stats::Summary;
 
 const OBJECTS: usize = 64;
 const LIGHTS: [usize; 3] = [1, 16, 64];

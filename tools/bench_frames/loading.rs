@@ -5,13 +5,11 @@ use std::process::Command;
 use std::time::Instant;
 
 use ontile::gpu::{Headless, HeadlessOptions, PipelineCache, Renderer, RendererConfig, View};
+use ontile::measure::{Host, Summary};
 use ontile::plan::{Needs, Options, Plan};
 use ontile::scene::Scene;
 use ontile::{Error, Result};
 use serde::{Deserialize, Serialize};
-
-use super::host::Host;
-use super::stats::Summary;
 
 /// Milliseconds of each step, and the process's memory.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]

@@ -3,11 +3,9 @@
 
 mod compare;
 mod frames;
-mod host;
 mod loading;
 mod recording;
 mod scenes;
-mod stats;
 
 // What makes the scenes that are compared.
 #[path = "../make_scenes/main.rs"]

@@ -2,12 +2,11 @@
 
 use ontile::Result;
 use ontile::gpu::{Device, View};
+use ontile::measure::{Host, Summary};
 use ontile::plan::Options;
 use serde::Serialize;
 
-use super::host::Host;
 use super::scenes;
-use super::stats::Summary;
 
 const OBJECTS: usize = 1000;
 const FRAMES: usize = 200;
@@ -34,7 +33,12 @@ fn measure_scene(device: &Device, distinct_meshes: bool) -> Result<Recording> {
     let view = View { camera: &scene.cameras[0], exposure_ev: 0.0 };
     let mut host = Host::new(device, &scene, &Options { size: [64, 64], ..Options::default() }, true)?;
     host.record(&view)?;
-    let frames = (0..FRAMES).map(|_| host.record(&view)).collect::<Result<Vec<_>>>()?;
+    let mut record = || {
+        let mut record_ms = Ok(0.0);
+        let allocations = allocation_counter::measure(|| record_ms = host.record(&view));
+        Ok((record_ms?, allocations.count_total))
+    };
+    let frames = (0..FRAMES).map(|_| record()).collect::<Result<Vec<_>>>()?;
     let counts = host.renderer.recorded().counts;
     Ok(Recording {
         objects: OBJECTS,

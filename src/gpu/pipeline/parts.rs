@@ -20,6 +20,8 @@ pub struct PipelineParts {
     pub bindings: BTreeMap<(u32, u32), u32>,
     /// Locations of vertex attributes.
     pub attributes: BTreeSet<u32>,
+    /// Bytes of these that a vertex has.
+    pub vertex_bytes: u32,
     /// How many colour attachments the fragment shader writes.
     pub targets: u32,
     /// Whether there are push constants.
@@ -42,6 +44,7 @@ impl PipelineParts {
                 name: plan.pipeline_text(pipeline),
                 bindings: counts(&family.sets()),
                 attributes: input.attributes.iter().map(|a| a.location).collect(),
+                vertex_bytes: input.bindings.iter().map(|b| b.stride).sum(),
                 targets: fragment.map_or(0, |_| plan.subpass(*stage).2.colors.len() as u32),
                 push_constants: family.has_push_constants(),
                 shaders,
@@ -49,11 +52,13 @@ impl PipelineParts {
         });
         let casters = plan.shadow_map.iter().flat_map(|map| &map.casters).map(|kind| {
             let (vertex, fragment, constants) = caster_modules(kind);
+            let (streams, attributes) = caster_input(kind.mask.as_ref())?;
             Ok(Self {
                 name: format!("shadow caster, {kind}"),
                 shaders: Shaders::new(vertex, fragment, &constants, &AttachmentPlaces::default())?,
                 bindings: counts(&caster_bindings(kind)),
-                attributes: caster_input(kind.mask.as_ref())?.1.iter().map(|a| a.location).collect(),
+                attributes: attributes.iter().map(|a| a.location).collect(),
+                vertex_bytes: streams.iter().map(|b| b.stride).sum(),
                 targets: 0,
                 push_constants: true,
             })

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use ash::vk;
 
+use super::super::fragments::{DrawnMesh, FragmentQueries};
 use super::super::objects::Batch;
 use super::super::scene_data::BoundMesh;
 use super::super::shared::LightPush;
@@ -21,6 +22,7 @@ pub(super) struct Frame<'a> {
     pub(super) counts: FrameCounts,
     /// What is bound as `SET_FRAME`, and whether by a layout with push constants: only layouts that agree in them share it.
     pub(super) bound_frame: Option<(vk::DescriptorSet, bool)>,
+    pub(super) fragments: Option<FragmentQueries>,
 }
 
 impl Frame<'_> {
@@ -90,10 +92,10 @@ impl Frame<'_> {
                 Pipeline::LightVolume(shape) => self.draw_volumes(stage, index, *shape),
                 // Drawn in turns with the pipeline that follows it.
                 Pipeline::LightMask(_) => {}
-                _ => {
-                    self.bind_with_inputs(stage, index);
-                    self.draw_generated(3, 0..1);
-                }
+                _ => self.counted(stage, index, None, |frame| {
+                    frame.bind_with_inputs(stage, index);
+                    frame.draw_generated(3, 0..1);
+                }),
             }
         }
     }
@@ -111,16 +113,18 @@ impl Frame<'_> {
         let mask = pipeline.checked_sub(1).filter(|&p| plan.pipelines[p].1 == Pipeline::LightMask(shape));
         match mask {
             _ if lights.is_empty() => {}
-            None => {
-                self.bind_with_inputs(stage, pipeline);
-                self.draw_generated(vertices, lights);
-            }
+            None => self.counted(stage, pipeline, None, |frame| {
+                frame.bind_with_inputs(stage, pipeline);
+                frame.draw_generated(vertices, lights);
+            }),
             Some(mask) => {
                 for light in lights {
                     self.bind_pipeline(mask);
                     self.draw_generated(vertices, light..light + 1);
-                    self.bind_with_inputs(stage, pipeline);
-                    self.draw_generated(vertices, light..light + 1);
+                    self.counted(stage, pipeline, None, |frame| {
+                        frame.bind_with_inputs(stage, pipeline);
+                        frame.draw_generated(vertices, light..light + 1);
+                    });
                 }
             }
         }
@@ -163,11 +167,27 @@ impl Frame<'_> {
                 bound_material = Some(batch.material_set);
             }
             scene.bind_mesh(self.recorder, batch, &mut bound_mesh, &mut self.counts.state_changes);
-            match plan.pipelines[index].1 {
-                Pipeline::Light(_) => self.draw_for_each_light(batch, layout),
-                _ => self.draw_instances(batch, batch.visible.clone()),
-            }
+            let Batch { mesh, material, .. } = *batch;
+            let drawn = DrawnMesh { mesh, material, instances: batch.visible.len() as u32 };
+            self.counted(stage, index, Some(drawn), |frame| match plan.pipelines[index].1 {
+                Pipeline::Light(_) => frame.draw_for_each_light(batch, layout),
+                _ => frame.draw_instances(batch, batch.visible.clone()),
+            });
         }
+    }
+
+    /// Draws, and counts the fragments if that is asked for.
+    fn counted(
+        &mut self,
+        stage: usize,
+        pipeline: usize,
+        drawn: Option<DrawnMesh>,
+        draw: impl FnOnce(&mut Self),
+    ) {
+        let recorder = self.recorder;
+        self.fragments.iter_mut().for_each(|f| f.begin(recorder, stage, pipeline, drawn));
+        draw(self);
+        self.fragments.iter_mut().for_each(|f| f.end(recorder));
     }
 
     /// Draws of a batch what each light reaches, or all of it where the plan has no illumination sets. The lights take

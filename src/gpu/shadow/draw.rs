@@ -252,6 +252,8 @@ impl Shadows {
                 );
             }
             recorded.draws += 1;
+            recorded.triangles += u64::from(range.index_count / 3) * u64::from(count);
+            recorded.vertices += u64::from(range.vertex_count);
             drawn += run.len();
         });
         // SAFETY: the pass is being recorded.

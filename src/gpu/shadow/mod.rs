@@ -58,6 +58,10 @@ pub struct RecordedShadows {
     pub casters: usize,
     /// Casters that were not, because they are out of a tile's view or beyond its light's range.
     pub culled: usize,
+    /// Triangles of the casters drawn.
+    pub triangles: u64,
+    /// Vertices of the casters' meshes, once for each draw call.
+    pub vertices: u64,
     /// Bytes of the map, and of the static one, that were stored.
     pub stored_bytes: u64,
     /// Bytes of the static map that were copied.

@@ -152,3 +152,31 @@ fn pictures_that_cannot_be_compared_are_errors() {
         assert!(message.contains(expected), "{message}");
     }
 }
+
+#[test]
+fn what_an_eye_sees_is_measured_where_the_mask_says() {
+    let a = rgba8(40, 24, textured);
+    let b = rgba8(40, 24, |x, y| if x < 20 { textured(x, y) } else { [200, 30, 40, 255] });
+    let right = rgba8(40, 24, |x, _| [if x < 20 { 0 } else { 255 }; 4]);
+    let left = rgba8(40, 24, |x, _| [if x < 20 { 255 } else { 0 }; 4]);
+    let [all, right, left] = [None, Some(&right), Some(&left)].map(|mask| compare(&a, &b, mask).unwrap());
+    assert!(right.flip_mean > 0.5 && right.ciede2000_p95 > 20.0, "{right}");
+    // FLIP looks at neighbourhoods, so that some of it reaches over the border.
+    assert!(left.flip_mean > 0.0 && left.flip_mean < 0.5 * right.flip_mean, "{left}");
+    assert_eq!((left.ciede2000_p95, left.ciede2000_max), (0.0, 0.0));
+    assert!((all.flip_mean - 0.5 * (left.flip_mean + right.flip_mean)).abs() < 1e-12);
+    assert!(all.ciede2000_max == right.ciede2000_max && all.ciede2000_max >= right.ciede2000_p95);
+}
+
+#[test]
+fn floats_are_seen_as_a_display_shows_them() {
+    let a = rgba32f(&[[1.0, 0.5, 0.25, 1.0], [7.0, 1.0, 0.0, 1.0]]);
+    let b = rgba32f(&[[1.0, 0.5, 0.25, 1.0], [9.0, 1.0, 0.0, 1.0]]);
+    let c = compare(&a, &b, None).unwrap();
+    assert_eq!((c.flip_mean, c.ciede2000_max), (0.0, 0.0), "above 1 all is alike");
+    assert!((c.relative_error_max.unwrap() - 2.0 / 7.0).abs() < 1e-12, "{c}");
+    let nan = rgba32f(&[[f32::NAN, 0.5, 0.25, 1.0], [7.0, 1.0, 0.0, 1.0]]);
+    let c = compare(&a, &nan, None).unwrap();
+    assert_eq!((c.non_finite_pixels, c.ciede2000_max, c.relative_error_max), (1, 0.0, Some(0.0)));
+    assert!(c.flip_mean.is_finite());
+}

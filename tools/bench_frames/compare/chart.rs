@@ -1,30 +1,14 @@
-//! Charts of the tables, as SVG and as PNG. The font is embedded, so that they look the same on every machine.
+//! Charts of the tables.
 
 use std::ops::Range;
-use std::path::Path;
 
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
-use ontile::{Error, Result, file};
+use ontile::measure::canvas::{COLORS, Canvas, Drawing, Drawn, key, short};
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
-use plotters::style::{FontStyle, register_font};
 
 use super::data::{Run, Table, TableName};
 
 const SIZE: (u32, u32) = (880, 520);
-/// Pixels of the PNG for one of the SVG, so that its letters are crisp.
-const PNG_SCALE: u32 = 2;
-const FONT: &str = "sans-serif";
-/// Okabe and Ito's colours, which people with any colour vision can tell apart, the yellow left out.
-const COLORS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 0, 0),
-];
 
 /// A table as lines over a logarithmic axis, or as bars in groups.
 pub struct Chart {
@@ -77,45 +61,27 @@ fn points(table: &Table, way: &str) -> Vec<[f64; 4]> {
     .collect()
 }
 
-impl Chart {
-    /// Writes `path` with the extensions svg and png.
-    ///
-    /// # Errors
-    /// [`Error::Io`].
-    pub fn write(&self, path: &Path) -> Result<()> {
-        // Fails only for bytes that are no font, and these are compiled in.
-        let _ = register_font(FONT, FontStyle::Normal, dejavu::sans::regular());
-        let (width, height) = SIZE;
-        let svg_path = path.with_extension("svg");
-        let mut svg = String::new();
-        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        self.draw(&Canvas { area, scale: 1 }).map_err(|e| drawing_error(&svg_path, e))?;
-        file::write_whole(&svg_path, svg.as_bytes())?;
-        let png_path = path.with_extension("png");
-        let (width, height) = (width * PNG_SCALE, height * PNG_SCALE);
-        let mut texels = vec![0; (width * height * 3) as usize];
-        let area = BitMapBackend::with_buffer(&mut texels, (width, height)).into_drawing_area();
-        self.draw(&Canvas { area, scale: PNG_SCALE }).map_err(|e| drawing_error(&png_path, e))?;
-        let mut png = Vec::new();
-        PngEncoder::new(&mut png)
-            .write_image(&texels, width, height, ExtendedColorType::Rgb8)
-            .map_err(|e| drawing_error(&png_path, e))?;
-        file::write_whole(&png_path, &png)
+impl Drawing for Chart {
+    fn title(&self) -> &str {
+        &self.title
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Drawn<B> {
-        canvas.area.fill(&WHITE)?;
+    fn size(&self) -> (u32, u32) {
+        SIZE
+    }
+
+    fn draw<B: DrawingBackend<ErrorType: 'static>>(&self, canvas: &Canvas<B>) -> Drawn {
         match &self.groups {
-            Some(groups) => self.draw_bars(canvas, groups)?,
-            None => self.draw_lines(canvas)?,
+            Some(groups) => self.draw_bars(canvas, groups),
+            None => self.draw_lines(canvas),
         }
-        canvas.area.present()
     }
+}
 
-    fn draw_lines<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Drawn<B> {
+impl Chart {
+    fn draw_lines<B: DrawingBackend<ErrorType: 'static>>(&self, canvas: &Canvas<B>) -> Drawn {
         let [xs, ys] =
             [0, 1].map(|axis| self.series.iter().flat_map(move |(_, p)| p.iter().map(move |p| p[axis])));
-        let scale = canvas.scale as i32;
         let (xs, ys) = (padded(xs, 1.15), padded(ys, 1.4));
         let mut chart = self.frame(canvas, xs.log_scale().base(4.0), ys.log_scale().base(2.0))?;
         chart
@@ -132,7 +98,7 @@ impl Chart {
             let color = COLORS[i % COLORS.len()];
             let line =
                 LineSeries::new(points.iter().map(|p| (p[0], p[1])), color.stroke_width(2 * canvas.scale));
-            chart.draw_series(line)?.label(name).legend(move |(x, y)| key(x, y, scale, color));
+            chart.draw_series(line)?.label(name).legend(move |(x, y)| key(x, y, canvas.scale, color));
             let spread = |p: &[f64; 4]| {
                 PathElement::new([(p[0], p[2]), (p[0], p[3])], color.stroke_width(canvas.scale))
             };
@@ -144,7 +110,11 @@ impl Chart {
         legend(canvas, &mut chart)
     }
 
-    fn draw_bars<B: DrawingBackend>(&self, canvas: &Canvas<B>, groups: &[String]) -> Drawn<B> {
+    fn draw_bars<B: DrawingBackend<ErrorType: 'static>>(
+        &self,
+        canvas: &Canvas<B>,
+        groups: &[String],
+    ) -> Drawn {
         let highest = self.series.iter().flat_map(|(_, p)| p).map(|p| p[3].max(p[1])).fold(0.0, f64::max);
         let mut chart = self.frame(canvas, -0.5..groups.len() as f64 - 0.5, 0.0..highest * 1.3)?;
         chart
@@ -161,7 +131,6 @@ impl Chart {
             .bold_line_style(BLACK.mix(0.12))
             .label_style(canvas.font(14))
             .draw()?;
-        let scale = canvas.scale as i32;
         let width = 0.8 / self.series.len() as f64;
         for (i, (name, points)) in self.series.iter().enumerate() {
             let color = COLORS[i % COLORS.len()];
@@ -172,12 +141,13 @@ impl Chart {
             chart
                 .draw_series(points.iter().map(bar))?
                 .label(name)
-                .legend(move |(x, y)| key(x, y, scale, color));
+                .legend(move |(x, y)| key(x, y, canvas.scale, color));
             let spread = |p: &[f64; 4]| {
                 let x = left(p) + width * 0.46;
                 PathElement::new([(x, p[2]), (x, p[3])], BLACK.stroke_width(canvas.scale))
             };
             chart.draw_series(points.iter().map(spread))?;
+            let scale = canvas.scale as i32;
             let told = |p: &[f64; 4]| {
                 let style = canvas.font(13).into_font().color(&BLACK);
                 let text = short(p[1]);
@@ -206,19 +176,6 @@ impl Chart {
     }
 }
 
-/// Where a chart is drawn, and how many pixels make one of its own.
-struct Canvas<B: DrawingBackend> {
-    area: DrawingArea<B, plotters::coord::Shift>,
-    scale: u32,
-}
-
-impl<B: DrawingBackend> Canvas<B> {
-    fn font(&self, size: u32) -> (&'static str, u32) {
-        (FONT, size * self.scale)
-    }
-}
-
-type Drawn<B> = std::result::Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 type Framed<'a, B, X, Y> = std::result::Result<
     ChartContext<
         'a,
@@ -231,8 +188,9 @@ type Framed<'a, B, X, Y> = std::result::Result<
 fn legend<'a, B: DrawingBackend + 'a, X, Y>(
     canvas: &Canvas<B>,
     chart: &mut ChartContext<'a, B, Cartesian2d<X, Y>>,
-) -> Drawn<B>
+) -> Drawn
 where
+    B::ErrorType: 'static,
     X: plotters::coord::ranged1d::Ranged<ValueType = f64>,
     Y: plotters::coord::ranged1d::Ranged<ValueType = f64>,
 {
@@ -244,29 +202,12 @@ where
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.25))
         .label_font(canvas.font(14))
-        .draw()
-}
-
-fn key(x: i32, y: i32, scale: i32, color: RGBColor) -> Rectangle<(i32, i32)> {
-    Rectangle::new([(x, y - 5 * scale), (x + 16 * scale, y + 5 * scale)], color.filled())
+        .draw()?;
+    Ok(())
 }
 
 /// From the smallest to the largest, and a little more at both ends of a logarithmic axis.
 fn padded(values: impl Iterator<Item = f64>, factor: f64) -> Range<f64> {
     let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
     low / factor..high * factor
-}
-
-/// Three significant digits, without trailing zeros.
-fn short(x: f64) -> String {
-    if x == 0.0 {
-        return "0".into();
-    }
-    let digits = (2 - x.abs().max(1e-3).log10().floor() as i32).max(0) as usize;
-    let text = format!("{x:.digits$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-}
-
-fn drawing_error(path: &Path, e: impl std::fmt::Display) -> Error {
-    Error::io(path, "draw", std::io::Error::other(e.to_string()))
 }

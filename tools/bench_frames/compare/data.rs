@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use clap::ValueEnum;
+use ontile::measure::{Clock, Summary};
 use ontile::{Error, Result, file};
 use serde::{Deserialize, Serialize};
 
-use super::super::stats::Summary;
 use super::maths::Ratio;
 
 /// Changes whenever older files can no longer be read.
@@ -26,25 +26,6 @@ pub struct Run {
     pub driver: String,
     pub clock: Clock,
     pub tables: Vec<Table>,
-}
-
-/// Where frame times come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Clock {
-    /// Timestamps that the GPU wrote at the begin and the end of the frame.
-    Gpu,
-    /// From the begin of recording until the frame is done: where the processor that records also draws.
-    Wall,
-}
-
-impl Clock {
-    pub fn describe(self) -> &'static str {
-        match self {
-            Self::Gpu => "the GPU's timestamps",
-            Self::Wall => "wall clock, recording included",
-        }
-    }
 }
 
 /// One question.

@@ -17,11 +17,12 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use ontile::gpu::{Device, DeviceType, Headless, HeadlessOptions};
+use ontile::measure::canvas::Drawing;
+use ontile::measure::{Clock, Effort};
 use ontile::{Error, Result, file};
 use serde::Serialize;
 
 use data::{Report, Run, Table, TableName};
-use measure::Effort;
 use tables::Settings;
 
 /// The file that people read.
@@ -102,7 +103,7 @@ fn measure_all(args: &Compare) -> Result<()> {
     let mut run = Run {
         device: caps.name.clone(),
         driver: caps.driver.clone(),
-        clock: measure::clock(device),
+        clock: Clock::of(device),
         tables: Vec::new(),
     };
     for &name in TableName::value_variants() {

@@ -1,8 +1,9 @@
 //! Statements follow from data: made-up runs whose answers are known.
 
-use super::data::{Auto, Cell, Clock, Measured, Outcome, Report, Row, Run, Table, TableName};
+use ontile::measure::{Clock, rounded_ms};
+
+use super::data::{Auto, Cell, Measured, Outcome, Report, Row, Run, Table, TableName};
 use super::findings::{Verdict, findings, floating_cost_ms, targets};
-use super::measure::rounded;
 use super::page::page;
 use super::rules::rules;
 use super::tables::{CLUSTERS, DEFERRED, FORWARD, FULLSCREEN, MULTIPASS, STENCIL, VOLUMES, WITHOUT};
@@ -11,7 +12,7 @@ use super::tables::{CLUSTERS, DEFERRED, FORWARD, FULLSCREEN, MULTIPASS, STENCIL,
 const NOISE: [f64; 9] = [1.0, 1.3, 0.98, 1.02, 2.5, 1.0, 1.01, 0.99, 1.1];
 
 fn cell(way: &str, ms: f64) -> Cell {
-    let frame_ms = NOISE.map(|noise| rounded(ms * noise)).to_vec();
+    let frame_ms = NOISE.map(|noise| rounded_ms(ms * noise)).to_vec();
     let measured = Measured { frame_ms, first_draws: (ms * 10.0) as usize, ..Measured::default() };
     Cell { way: way.into(), outcome: Outcome::Measured(measured) }
 }

@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
-use ontile::Result;
-use ontile::gpu::{
+use crate::Result;
+use crate::gpu::{
     Commands, Device, Image, ImageDesc, OutputImage, PipelineCache, Renderer, RendererConfig, Target, View,
 };
-use ontile::plan::{Needs, Options, Plan};
-use ontile::scene::Scene;
+use crate::plan::{Needs, Options, Plan};
+use crate::scene::Scene;
 
 /// One way to render a scene.
 pub struct Host {
@@ -15,6 +15,7 @@ pub struct Host {
     commands: Commands,
     target: Target,
     _output: Image,
+    /// What draws.
     pub renderer: Renderer,
 }
 
@@ -31,7 +32,10 @@ pub struct FrameTimes {
 }
 
 impl Host {
-    /// `stage_timestamps` as in [`RendererConfig`].
+    /// Makes everything and uploads the scene; `stage_timestamps` as in [`RendererConfig`].
+    ///
+    /// # Errors
+    /// As [`Plan::new`] and [`Renderer::new`].
     pub fn new(device: &Device, scene: &Scene, options: &Options, stage_timestamps: bool) -> Result<Self> {
         let plan = Plan::new(Needs::of(scene), options.clone(), &device.caps().limits())?;
         // Empty: every variant compiles its own pipelines.
@@ -42,6 +46,10 @@ impl Host {
         Ok(host)
     }
 
+    /// With a renderer of the caller's; [`Self::upload`] is to follow.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
     pub fn with_renderer(device: &Device, renderer: Renderer) -> Result<Self> {
         let size = renderer.plan().options.size;
         let output = Image::new(
@@ -55,6 +63,9 @@ impl Host {
     }
 
     /// Brings the scene to the device.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
     pub fn upload(&mut self) -> Result<()> {
         let Self { commands, renderer, .. } = self;
         commands.record(|recorder| {
@@ -67,23 +78,25 @@ impl Host {
         Ok(())
     }
 
-    /// Records a frame; what it took the CPU, in milliseconds, and how often it asked for memory.
-    pub fn record(&mut self, view: &View<'_>) -> Result<(f64, u64)> {
+    /// Records a frame; what it took the CPU, in milliseconds.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
+    pub fn record(&mut self, view: &View<'_>) -> Result<f64> {
         let Self { commands, renderer, target, .. } = self;
         commands.record(|recorder| {
-            let mut record_ms = 0.0;
-            let allocations = allocation_counter::measure(|| {
-                let start = Instant::now();
-                renderer.record(recorder, 0, target, 0, view);
-                record_ms = start.elapsed().as_secs_f64() * 1e3;
-            });
-            Ok((record_ms, allocations.count_total))
+            let start = Instant::now();
+            renderer.record(recorder, 0, target, 0, view);
+            Ok(start.elapsed().as_secs_f64() * 1e3)
         })
     }
 
     /// Records and runs a frame.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
     pub fn frame(&mut self, view: &View<'_>) -> Result<FrameTimes> {
-        let (record_ms, _) = self.record(view)?;
+        let record_ms = self.record(view)?;
         let start = Instant::now();
         self.commands.submit()?;
         self.commands.wait()?;

@@ -5,16 +5,20 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Quartiles of repeated measurements.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
+    /// Half are at most this.
     pub median: f64,
+    /// A quarter are at most this.
     pub first_quartile: f64,
+    /// Three quarters are at most this.
     pub third_quartile: f64,
+    /// How many there were.
     pub count: usize,
 }
 
 impl Summary {
-    /// `None` without values.
+    /// Between ranks, quartiles are interpolated; `None` without values.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_by(f64::total_cmp);
@@ -39,5 +43,20 @@ impl fmt::Display for Summary {
         let digits = f.precision().unwrap_or(2);
         let Self { median, first_quartile, third_quartile, .. } = self;
         write!(f, "{median:.digits$} [{first_quartile:.digits$}, {third_quartile:.digits$}]")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quartiles_lie_between_ranks() {
+        let of = |values: &[f64]| Summary::of(values.iter().copied());
+        let summary = of(&[4.0, 1.0, 3.0, 2.0]).unwrap();
+        assert_eq!((summary.first_quartile, summary.median, summary.third_quartile), (1.75, 2.5, 3.25));
+        assert_eq!(summary.to_string(), "2.50 [1.75, 3.25]");
+        assert_eq!(of(&[7.0]).unwrap().third_quartile, 7.0);
+        assert_eq!(of(&[]), None);
     }
 }
