@@ -340,12 +340,12 @@ impl GBuffer {
             clear: NOTHING,
             tells: Tells::Position,
         };
-        let metallic = "base colour, a: metallicness";
+        let metallic = "rgb: base colour, a: metallicness";
         let targets = match self.form {
             Form::Metallic => vec![normal_roughness(), base(metallic)],
             Form::Specular => vec![
                 normal_roughness(),
-                Target { used_bits: base("").used_bits * 3 / 4, ..base("diffuse albedo, a: padding") },
+                Target { used_bits: base("").used_bits * 3 / 4, ..base("rgb: diffuse albedo, a: padding") },
                 self.specular(),
             ],
             Form::Thibieroz128 => vec![
@@ -377,7 +377,7 @@ impl GBuffer {
                     clear: None,
                     tells: Tells::Position,
                 },
-                Target { clear: NOTHING, ..base("base colour, a: normal z / 2 + 1/2") },
+                Target { clear: NOTHING, ..base("rgb: base colour, a: normal z / 2 + 1/2") },
                 Target {
                     name: "normal_xy",
                     format: Format::Rg8Unorm,
@@ -396,7 +396,7 @@ impl GBuffer {
                     clear: NOTHING,
                     tells: Tells::Surface,
                 },
-                Target { used_bits: base("").used_bits * 3 / 4, ..base("diffuse albedo, a: padding") },
+                Target { used_bits: base("").used_bits * 3 / 4, ..base("rgb: diffuse albedo, a: padding") },
                 self.specular(),
             ],
             Form::Dissertation192 => vec![
@@ -441,7 +441,7 @@ impl GBuffer {
     }
 
     fn specular(&self) -> Target {
-        let color = self.color("specular", "reflectance at normal incidence, a: padding", Tells::Surface);
+        let color = self.color("specular", "rgb: reflectance at normal incidence, a: padding", Tells::Surface);
         Target { used_bits: color.used_bits * 3 / 4, ..color }
     }
 }

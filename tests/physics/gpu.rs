@@ -1,12 +1,12 @@
 //! Pictures and G-buffers from the device at hand, under the validation layer.
 
 use ontile::environment::TexelFormat;
-use ontile::glam::{DVec3, DVec4};
+use ontile::glam::DVec3;
 use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
+use ontile::measure::stored;
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{
-    DepthStore, Gamma, Layout, LightFormat, LightPlace, Needs, Normals, Options, OutputFormat, Path, Plan,
-    Tonemap,
+    DepthStore, Gamma, Layout, LightFormat, Needs, Normals, Options, OutputFormat, Path, Plan, Tonemap,
 };
 use ontile::reference::around::Method;
 use ontile::reference::{Settings, Stored};
@@ -115,32 +115,13 @@ impl Gpu {
         let limits = self.host.device().caps().limits();
         Plan::new(Needs::of(scene), options.clone(), &limits).ok()?;
         let (offscreen, settings) = self.frame(scene, camera, ask, options.clone());
-        let read = |o: &Offscreen, name| o.attachment(name).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let plan = offscreen.renderer().plan();
-        let gbuffer = &plan.gbuffer;
-        let depth = gbuffer.form.has_depth().then(|| read(&offscreen, "depth"));
-        let word = match &gbuffer.light {
-            LightPlace::Read(word) if plan.light_is_read() => word.as_ref(),
-            _ => None,
-        };
-        let surface = gbuffer.surface.iter().chain(word).map(|t| t.name).filter(|name| *name != "depth");
-        let targets: Vec<_> = surface.map(|name| read(&offscreen, name)).collect();
-        let light = settings.light_target.then(|| {
+        let dark = settings.light_target.then(|| {
             let dark = Scene { lights: Vec::new(), ..scene.clone() };
             let (offscreen, dark_settings) = self.frame(&dark, camera, ask, options);
             assert!(dark_settings.light_target, "what needs the light target is not the lights");
-            let split = matches!(gbuffer.light, LightPlace::Added { split: true, .. });
-            read(&offscreen, if split { "specular_light" } else { "light" })
+            offscreen
         });
-        let texel = |values: Option<&Vec<f64>>, i: usize| {
-            values.map_or(DVec4::ZERO, |values| DVec4::from_slice(&values[4 * i..]))
-        };
-        let stored = (0..targets[0].len() / 4).map(|i| Stored {
-            depth: texel(depth.as_ref(), i).x,
-            targets: std::array::from_fn(|t| texel(targets.get(t), i)),
-            light: texel(light.as_ref(), i).truncate(),
-        });
-        let stored = stored.collect();
+        let stored = stored(&offscreen, dark.as_ref()).expect("the G-buffer is kept");
         Some((Rendered { picture: offscreen.picture(), settings }, stored))
     }
 
