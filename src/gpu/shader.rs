@@ -7,7 +7,7 @@ mod numbers;
 mod prune;
 mod specialization;
 
-pub use numbers::shared;
+pub use numbers::{shared, shared_names};
 pub use prune::{Pruned, prune};
 pub use specialization::{
     GeometryConstants, LightLoop, LightingConstants, LightmapConstants, OutputConstants, SkyConstants,

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::super::shader::Shaders;
+use super::super::shader::{Module, Shaders, Specialization, shared_names};
 use super::super::shadow::{caster_bindings, caster_input, caster_modules};
 use super::{Family, VertexInput, modules};
 use crate::Result;
@@ -26,6 +26,10 @@ pub struct PipelineParts {
     pub targets: u32,
     /// Whether there are push constants.
     pub push_constants: bool,
+    /// Vertex and fragment shader before they were specialised.
+    pub modules: (Module, Option<Module>),
+    /// What they were specialised with, whether they know it or not.
+    pub specialization: Specialization,
 }
 
 impl PipelineParts {
@@ -47,6 +51,8 @@ impl PipelineParts {
                 targets: fragment.map_or(0, |_| plan.subpass(*stage).2.colors.len() as u32),
                 push_constants: family.has_push_constants(),
                 shaders,
+                modules: (vertex, fragment),
+                specialization: constants,
             })
         });
         let casters = plan.shadow_map.iter().flat_map(|map| &map.casters).map(|kind| {
@@ -60,9 +66,32 @@ impl PipelineParts {
                 vertex_bytes: streams.iter().map(|b| b.stride).sum(),
                 targets: 0,
                 push_constants: true,
+                modules: (vertex, fragment),
+                specialization: constants,
             })
         });
         of_plan.chain(casters).collect()
+    }
+
+    /// The specialisation constants that the shaders would be others without: name, as `ID_*` of `glsl/shared.h`, and value. All
+    /// other constants may as well have their defaults.
+    ///
+    /// # Errors
+    /// As of [`Shaders::new`].
+    pub fn constants(&self) -> Result<BTreeMap<&'static str, u32>> {
+        let (vertex, fragment) = self.modules;
+        let mut needed = BTreeMap::new();
+        for (index, id) in self.specialization.ids.iter().enumerate() {
+            let mut without = self.specialization.clone();
+            without.ids.remove(index);
+            let value = without.data.remove(index);
+            let shaders = Shaders::new(vertex, fragment, &without)?;
+            if (&shaders.vertex, &shaders.fragment) != (&self.shaders.vertex, &self.shaders.fragment) {
+                let name = shared_names("ID_").find(|(_, number)| number == id);
+                needed.insert(name.map_or("(without a name)", |(name, _)| name), value);
+            }
+        }
+        Ok(needed)
     }
 }
 
