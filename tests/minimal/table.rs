@@ -18,7 +18,7 @@ pub const LIT: &str = "attachment output, attachment depth, attachment normal_ro
                    surface lit: attribute normal, surface lit: binding frame, surface lit: binding instances, \
                    surface lit: binding material, pipeline lighting, lighting: binding frame, lighting: binding lights, \
                    lighting: input depth, lighting: input normal_roughness, lighting: input base_metallic, \
-                   lighting: HAS_DIRECTIONAL, lighting: FOLD, \
+                   lighting: HAS_DIRECTIONAL, lighting: FOLD, surface lit: DEPTH_TARGET, \
                    buffer vertices, buffer indices, buffer materials, buffer frame, buffer instances, buffer lights";
 
 /// Light that exists before lighting: it is summed, and lighting does not write the output itself.
@@ -327,7 +327,7 @@ pub const OF_LIT: &[Feature] = &[
         &[
             SUMMED,
             "attachment depth_test, pipeline surface unlit, surface unlit: attribute position, surface unlit: binding frame, \
-          surface unlit: binding instances, surface unlit: binding material, surface unlit: UNLIT, surface unlit: LIGHT_TARGET",
+          surface unlit: binding instances, surface unlit: binding material, surface unlit: UNLIT, surface unlit: LIGHT_TARGET, surface unlit: DEPTH_TARGET",
         ],
     ),
 ];
