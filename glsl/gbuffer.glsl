@@ -25,7 +25,7 @@ layout(location = TARGET_BASE_METALLIC) out vec4 target_base_metallic;
 layout(location = TARGET_SPECULAR) out vec4 target_specular;
 layout(location = TARGET_WORDS) out uvec4 target_words;
 layout(location = TARGET_MORE_WORDS) out uvec4 target_more_words;
-layout(location = TARGET_LIGHT_WORD) out uint target_light_word;
+layout(location = TARGET_LIGHT_WORD) out uvec2 target_light_word;
 
 void write_depth() {
     if (DEPTH_TARGET) {
@@ -34,6 +34,13 @@ void write_depth() {
 }
 
 #else
+
+#ifdef SUBPASS_LIGHTING
+// What holds light, written over what was read of it.
+layout(location = TARGET_WORDS) out uvec4 target_words;
+layout(location = TARGET_MORE_WORDS) out uvec4 target_more_words;
+layout(location = TARGET_LIGHT_WORD) out uvec2 target_light_word;
+#endif
 
 layout(set = SET_INPUTS, binding = INPUT_DEPTH, input_attachment_index = INPUT_DEPTH) uniform subpassInput input_depth;
 layout(set = SET_INPUTS, binding = INPUT_POSITION, input_attachment_index = INPUT_POSITION)
@@ -70,6 +77,7 @@ vec3 read_position() {
 #include "gbuffer/thibieroz96.glsl"
 #include "gbuffer/rasa128.glsl"
 #include "gbuffer/dissertation192.glsl"
+#include "gbuffer/light_words.glsl"
 #include "gbuffer/metallic256.glsl"
 #include "gbuffer/specular256.glsl"
 #include "gbuffer/packed128.glsl"
@@ -122,14 +130,27 @@ Surface gbuffer_read() {
     return read_packed128();
 }
 
-// Exposed light * light_scale that geometry wrote, of the forms that hold it; alpha 1 is a surface, 0 the background.
-vec4 gbuffer_read_light() {
+// Exposed light * light_scale so far, of the forms that hold it; alpha 1 is a surface, 0 the background, where it is to tell.
+vec4 gbuffer_read_light(bool tell_background) {
     if (FORM == FORM_METALLIC256) {
         return read_light_metallic256();
     } else if (FORM == FORM_SPECULAR256) {
         return read_light_specular256();
     }
-    return read_light_packed128();
+    return read_light_packed128(tell_background);
 }
+
+#ifdef SUBPASS_LIGHTING
+
+// Adds to that, and leaves all else of the words as it is.
+void gbuffer_add_light(vec3 light) {
+    if (FORM == FORM_METALLIC256 || FORM == FORM_SPECULAR256) {
+        add_light_words(light);
+    } else {
+        add_light_packed128(light);
+    }
+}
+
+#endif
 
 #endif

@@ -1,7 +1,8 @@
 #version 450
 // All lights on one pixel, or (ONE_LIGHT) only the one whose volume is drawn. FOLD: tonemaps and writes the output; else
-// fixed-function blending adds to the light target.
+// fixed-function blending adds to the light target, or the shader to the light of the G-buffer (LIGHT_READ).
 #extension GL_GOOGLE_include_directive : require
+#define SUBPASS_LIGHTING
 #include "common.glsl"
 #include "frame.glsl"
 #include "pixel.glsl"
@@ -40,6 +41,10 @@ void main() {
     // makes a fragment's coverage depend on its shader, which costs Mali its early kills and PowerVR its deferral.
     if (!FOLD) {
         float scale = frame.exposure * frame.light_scale;
+        if (LIGHT_READ) {
+            gbuffer_add_light(complete(light, surface) * scale);
+            return;
+        }
         target_light = vec4((SPLIT_LIGHT ? light.diffuse / PI : complete(light, surface)) * scale, 0.0);
         if (SPLIT_LIGHT) {
             target_specular_light = vec4(light.specular * scale, 0.0);
@@ -49,7 +54,7 @@ void main() {
     vec3 exposed_light = complete(light, surface) * frame.exposure;
     bool is_surface = surface.lit;
     if (LIGHT_READ) {
-        vec4 stored = gbuffer_read_light();
+        vec4 stored = gbuffer_read_light(FOG || BACKGROUND);
         is_surface = stored.a > 0.0;
         exposed_light += stored.rgb / frame.light_scale;
     }

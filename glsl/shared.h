@@ -128,6 +128,7 @@
 #define ID_LIGHT_READ 62
 #define ID_LIGHT_ALPHA 63
 #define ID_GBUFFER 64
+#define ID_LIGHT_ADDED 65
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0

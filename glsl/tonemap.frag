@@ -1,5 +1,6 @@
 #version 450
-// From the light target to the output. What fog and separate diffuse light need is read from the G-buffer.
+// From the light target, or what the G-buffer holds of light (LIGHT_READ), to the output. What fog and separate diffuse light
+// need is read from the G-buffer.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
@@ -18,7 +19,7 @@ layout(set = SET_INPUTS, binding = INPUT_SPECULAR_LIGHT, input_attachment_index 
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
 void main() {
-    vec4 light = subpassLoad(input_light);
+    vec4 light = LIGHT_READ ? gbuffer_read_light(FOG || BACKGROUND) : subpassLoad(input_light);
     if (SPLIT_LIGHT) {
         light = vec4(light.rgb * gbuffer_read().diffuse, 0.0) + subpassLoad(input_specular_light);
     }

@@ -71,6 +71,8 @@ fn printed() -> Vec<(String, String)> {
             "emissive_stencil_separate".into(),
             plan(&scenes::emissive(), Options { lights: LightWay::Stencil, ..separate() }),
         ),
+        ("emissive_volumes_packed128".into(), in_words(&scenes::emissive(), Strategy::Subpasses)),
+        ("emissive_volumes_packed128_separate".into(), in_words(&scenes::emissive(), Strategy::Separate)),
         ("no_lights_clusters".into(), plan(&scenes::no_lights(), by(LightWay::Clusters))),
         ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
         ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),
@@ -237,6 +239,28 @@ fn auto_paths_follow_how_many_lights_reach_a_point() {
         // Nothing to add: no way is wrong.
         for path in [Path::Auto, Path::Deferred, Path::Forward] {
             assert_eq!(plan(&scenes::no_lights(), Options { path, ..options.clone() }).path, Path::Forward);
+        }
+    }
+}
+
+/// Lights added one by one to words, on a device that has the feature.
+fn in_words(scene: &Scene, strategy: Strategy) -> Plan {
+    let lights = LightWay::Volumes;
+    let options = Options { layout: Layout::Packed128, lights, strategy, ..Options::default() };
+    let limits = Limits { ordered_attachment_access: true, ..Limits::default() };
+    Plan::new(Needs::of(scene), options, &limits).unwrap()
+}
+
+#[test]
+fn light_in_words_is_added_to_only_where_fragments_are_in_order() {
+    for layout in [Layout::Metallic256, Layout::Specular256, Layout::Packed128] {
+        for lights in [LightWay::Volumes, LightWay::Stencil] {
+            let options = Options { layout, lights, ..Options::default() };
+            let error = Plan::new(Needs::of(&scenes::lights_only()), options, &Limits::default());
+            let error = error.unwrap_err().to_string();
+            for part in ["VK_EXT_rasterization_order_attachment_access", "--lights clusters", "ontile128"] {
+                assert!(error.contains(part), "{error}");
+            }
         }
     }
 }

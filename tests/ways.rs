@@ -6,7 +6,7 @@ use common::render::{Gpu, difference, on_device};
 use common::scenes;
 use ontile::glam::{Mat4, Vec3};
 use ontile::picture::Pixels;
-use ontile::plan::{Layout, LightWay, Options, OutputFormat, Path, Strategy, Tonemap};
+use ontile::plan::{Layout, LightWay, Needs, Options, OutputFormat, Path, Strategy, Tonemap};
 use ontile::scene::{Camera, Light, LightKind, Projection, Scene};
 use std::f32::consts::FRAC_PI_2;
 
@@ -116,7 +116,8 @@ fn ways_give_one_picture() {
 fn ways_are_alike_in_one_pass_and_in_several() {
     on_device(None, |gpu| {
         for scene in [scenes::every_feature(), scenes::orthographic(), many_lights(), awkward_lights()] {
-            for layout in [Layout::Metallic128, Layout::Exact, Layout::Ontile128, Layout::Rasa128] {
+            let layouts = [Layout::Metallic128, Layout::Exact, Layout::Ontile128, Layout::Rasa128];
+            for layout in layouts.into_iter().chain(word_layouts(gpu)) {
                 for lights in WAYS {
                     let picture = |strategy| {
                         let options = Options { size: SIZE, layout, lights, strategy, ..Options::default() };
@@ -128,6 +129,82 @@ fn ways_are_alike_in_one_pass_and_in_several() {
             }
         }
     });
+}
+
+/// Layouts that hold light in words, which the shader adds to; none where the device lacks what that needs.
+fn word_layouts(gpu: &Gpu<'_>) -> Vec<Layout> {
+    if !gpu.device().caps().limits().ordered_attachment_access {
+        println!("ignored in part: no rasterization-order attachment access");
+        return Vec::new();
+    }
+    vec![Layout::Packed128, Layout::Metallic256, Layout::Specular256]
+}
+
+/// Each addition rounds the sum as its format does: half floats by a unit in the last place at most (lavapipe: downwards),
+/// 15 bits of mantissa by half of one. What lists add at once was rounded before: in packed128 to e5b9g9r9, by half a step of
+/// 9 bits of the brightest channel, which may be all but half of what 9 bits hold.
+#[test]
+fn words_take_light_by_light() {
+    const HALF_UNIT: f32 = 1.0 / 1024.0;
+    const SUM_HALF_UNIT: f32 = 1.0 / 65536.0;
+    const E5B9G9R9_HALF_STEP: f32 = 1.0 / 512.0;
+    on_device(None, |gpu| {
+        let mut wrong = Vec::new();
+        for scene in all_scenes() {
+            let at_once = match scene.name.starts_with("many_lights") {
+                true => most_lights_at_once(&scene),
+                false => scene.lights.len(),
+            };
+            for layout in word_layouts(gpu) {
+                let bound = match layout {
+                    Layout::Packed128 => {
+                        (at_once + 1) as f32 * SUM_HALF_UNIT + before(&scene) * E5B9G9R9_HALF_STEP
+                    }
+                    _ => (at_once + 2) as f32 * HALF_UNIT,
+                } + MOST_RELATIVE;
+                let options = Options { layout, tonemap: Tonemap::Linear, ..Options::default() };
+                let of = |lights| floats(gpu, &scene, Options { lights, ..options.clone() });
+                let expected = of(LightWay::Clusters);
+                let [volumes, stencil] = [LightWay::Volumes, LightWay::Stencil].map(of);
+                let Drift { most, mean } = Drift::of(&expected, &volumes);
+                let apart = Drift::of(&volumes, &stencil).most;
+                let told = format!(
+                    "{}, {layout}: {most:.1e} of the brightest channel at most, {mean:.1e} on average, {apart:.1e} from \
+                     volumes to stencil; {bound:.1e} allowed",
+                    scene.name
+                );
+                println!("{told}");
+                wrong.extend((most > bound || apart > bound).then_some(told));
+            }
+        }
+        assert_eq!(wrong, Vec::<String>::new());
+    });
+}
+
+/// 1 if there is light before lighting.
+fn before(scene: &Scene) -> f32 {
+    f32::from(!Needs::of(scene).prelit.is_empty())
+}
+
+/// How far pixels are from what they should be, as shares of their brightest channel; on average with the sign.
+struct Drift {
+    most: f32,
+    mean: f32,
+}
+
+impl Drift {
+    fn of(expected: &[f32], found: &[f32]) -> Self {
+        let share = |(a, b): (&[f32], &[f32])| {
+            let brightest = a[..3].iter().chain(&b[..3]).fold(LEAST_VALUE, |most, c| most.max(*c));
+            [0, 1, 2].map(|c| (b[c] - a[c]) / brightest)
+        };
+        let all: Vec<f32> = expected.chunks(4).zip(found.chunks(4)).flat_map(share).collect();
+        let lit = all.iter().filter(|s| **s != 0.0).count().max(1);
+        Self {
+            most: all.iter().fold(0.0, |most, s| most.max(s.abs())),
+            mean: all.iter().sum::<f32>() / lit as f32,
+        }
+    }
 }
 
 /// Surfaces that are lit as they are drawn find their lights in the same lists.

@@ -1,7 +1,8 @@
 // Light before the tone curve: exposed light * light_scale, alpha 1 where a surface is.
 
 layout(constant_id = ID_LIGHT_TARGET) const bool LIGHT_TARGET = false; // summed in a target, which later stages add to
-layout(constant_id = ID_LIGHT_READ) const bool LIGHT_READ = false;     // in the G-buffer: read once, never added to
+layout(constant_id = ID_LIGHT_READ) const bool LIGHT_READ = false;     // in the G-buffer
+layout(constant_id = ID_LIGHT_ADDED) const bool LIGHT_ADDED = false;   // there light by light, each rounded; else read once
 
 #ifdef SUBPASS_GEOMETRY
 

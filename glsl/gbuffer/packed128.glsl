@@ -2,7 +2,15 @@
 // nothing is blended:
 //   depth       the depth attachment
 //   words       R32G32_UINT: normal 11 + 11 (octahedral), roughness 9; base colour 9 + 9 + 9 (hyperbola), metallic 6
-//   light_word  R32_UINT: exposed light * light_scale (e5b9g9r9)
+//   light_word  R32_UINT: exposed light * light_scale (e5b9g9r9); where lights are added one by one R32G32_UINT, 21 bits each
+
+uvec2 light_word_of(vec3 light) {
+    return LIGHT_ADDED ? sum_words_of(light) : uvec2(e5b9g9r9_of(light), 0u);
+}
+
+vec3 from_light_word(uvec2 word) {
+    return LIGHT_ADDED ? from_sum_words(word) : from_e5b9g9r9(word.x);
+}
 
 const float HALF_STEPS_11 = 1023.0;
 
@@ -29,7 +37,7 @@ void write_packed128(Surface surface, vec3 base_color, float metallic, vec4 ligh
         normal.x | normal.y << 11 | rest.x << 22 | rest.y >> 5 << 31,
         color.r | color.g << 9 | color.b << 18 | rest.y << 27, 0u, 0u);
     if (LIGHT_READ) {
-        target_light_word = e5b9g9r9_of(light.rgb);
+        target_light_word = light_word_of(light.rgb);
     }
 }
 
@@ -45,9 +53,20 @@ Surface read_packed128() {
         float(words.x >> 22 & 511u) / 511.0, diffuse_of(base_color, metallic), f0_of(base_color, metallic));
 }
 
-vec4 read_light_packed128() {
-    float covered = subpassLoad(input_depth).r > 0.0 ? 1.0 : 0.0;
-    return vec4(from_e5b9g9r9(subpassLoad(input_light_word).x), covered);
+vec4 read_light_packed128(bool tell_background) {
+    float covered = 1.0;
+    if (tell_background) {
+        covered = subpassLoad(input_depth).r > 0.0 ? 1.0 : 0.0;
+    }
+    return vec4(from_light_word(subpassLoad(input_light_word).xy), covered);
 }
+
+#ifdef SUBPASS_LIGHTING
+
+void add_light_packed128(vec3 light) {
+    target_light_word = light_word_of(from_light_word(subpassLoad(input_light_word).xy) + light);
+}
+
+#endif
 
 #endif

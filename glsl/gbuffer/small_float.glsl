@@ -15,6 +15,20 @@ vec3 from_b10g11r11(uint word) {
     return vec3(unpackHalf2x16((word & 0x7ffu) << 4 | (word >> 11 & 0x7ffu) << 20), unpackHalf2x16(word >> 22 << 5).x);
 }
 
+// Sums of many: 63 bits of two words, for each channel 6 bits of exponent (2^-40 to 2^24) and 15 of mantissa, to the nearest.
+const uint SUM_BASE = (127u - 40u) << 15;
+
+uvec2 sum_words_of(vec3 v) {
+    uvec3 code = max((floatBitsToUint(clamp(v, 0.0, 16776960.0)) + 0x80u) >> 8, uvec3(SUM_BASE)) - SUM_BASE;
+    return uvec2(code.r | code.g << 21, code.g >> 11 | code.b << 10);
+}
+
+vec3 from_sum_words(uvec2 words) {
+    uvec3 code = uvec3(words.x & 0x1fffffu, words.x >> 21 | (words.y & 0x3ffu) << 11, words.y >> 10 & 0x1fffffu);
+    // The least one, 2^-40, stands for 0.
+    return uintBitsToFloat(mix((code + SUM_BASE) << 8, uvec3(0u), equal(code, uvec3(0u))));
+}
+
 // As E5B9G9R9_UFLOAT_PACK32 (Vulkan specification, "Shared exponent to RGB"): 9 bits of mantissa each, one exponent.
 uint e5b9g9r9_of(vec3 v) {
     vec3 c = clamp(v, 0.0, 65408.0);

@@ -53,7 +53,7 @@ pub fn run(args: &PlanCommandArgs) -> ontile::Result<()> {
     scene::camera(&scene, &args.scene)?;
     scene::tell_idle_flags(&scene, &args.plan);
     // No device is asked: the picture's size is its only limit that may go beyond the guaranteed ones.
-    let limits = Limits { max_image_size: u32::MAX, ..Limits::default() };
+    let limits = Limits { max_image_size: u32::MAX, ordered_attachment_access: true, ..Limits::default() };
     let plan = Plan::new(Needs::of(&scene), args.plan.options(OutputFormat::Rgba8Srgb), &limits)?;
     plan.warnings.iter().for_each(|warning| print::warning(warning));
     if args.explain {

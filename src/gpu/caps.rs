@@ -114,6 +114,7 @@ impl Caps {
                 .min(self.max_descriptor_set_input_attachments),
             max_image_size: self.max_image_dimension_2d.min(width).min(height),
             gbuffer_on_chip: self.lazily_allocated_memory || self.device_type == DeviceType::Cpu,
+            ordered_attachment_access: self.rasterization_order_attachment_access,
             depth_stencil: if self.d32_s8 { Format::D32FloatS8 } else { Format::D24UnormS8 },
         }
     }

@@ -50,6 +50,7 @@ pub const fn layout(s: State) -> vk::ImageLayout {
         State::DepthInput => vk::ImageLayout::DEPTH_STENCIL_READ_ONLY_OPTIMAL,
         State::DepthInputStencil => vk::ImageLayout::DEPTH_READ_ONLY_STENCIL_ATTACHMENT_OPTIMAL,
         State::Input | State::Sampled => vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+        State::InputColor => vk::ImageLayout::GENERAL,
         State::CopySource => vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
         State::Present => vk::ImageLayout::PRESENT_SRC_KHR,
     }

@@ -47,6 +47,9 @@ pub struct Features {
     pub image_cube_array: bool,
     /// `occlusionQueryPrecise`: fragments can be counted.
     pub occlusion_precise: bool,
+    /// `rasterizationOrderColorAttachmentAccess` of VK_EXT_rasterization_order_attachment_access or of Arm's original: layouts
+    /// that hold light in words want it where lights are added one by one.
+    pub ordered_attachment_access: bool,
 }
 
 /// A Vulkan device and what is needed to use it. Clones are cheap and share everything.

@@ -233,7 +233,24 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
         .pipeline_statistics_query(caps.pipeline_statistics)
         .image_cube_array(caps.image_cube_array)
         .occlusion_query_precise(caps.occlusion_precise);
-    let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_features(&features);
+    // SAFETY: the device was enumerated from this instance.
+    let offered = unsafe { instance.raw.enumerate_device_extension_properties(physical_device) };
+    let offered = offered.called("vkEnumerateDeviceExtensionProperties")?;
+    let order = [
+        ext::rasterization_order_attachment_access::NAME,
+        ash::arm::rasterization_order_attachment_access::NAME,
+    ];
+    let mut order =
+        order.into_iter().filter(|name| offered.iter().any(|e| e.extension_name_as_c_str() == Ok(name)));
+    let order = order.next().filter(|_| caps.rasterization_order_attachment_access);
+    let extensions: Vec<_> = order.iter().map(|name| name.as_ptr()).collect();
+    let mut ordered_access = vk::PhysicalDeviceRasterizationOrderAttachmentAccessFeaturesEXT::default()
+        .rasterization_order_color_attachment_access(true);
+    let info = vk::DeviceCreateInfo::default()
+        .queue_create_infos(&queues)
+        .enabled_extension_names(&extensions)
+        .enabled_features(&features);
+    let info = if order.is_some() { info.push_next(&mut ordered_access) } else { info };
     // SAFETY: the family exists, and the features are those that the device has.
     let raw = unsafe { instance.raw.create_device(physical_device, &info, None) }.called("vkCreateDevice")?;
     let host = HostDevice {
@@ -250,6 +267,7 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
             pipeline_statistics: caps.pipeline_statistics,
             image_cube_array: caps.image_cube_array,
             occlusion_precise: caps.occlusion_precise,
+            ordered_attachment_access: order.is_some(),
         },
     };
     let owned = OwnedDevice { raw, _instance: instance };

@@ -3,14 +3,21 @@
 use ash::vk;
 
 use super::{Device, Owned, conv};
-use crate::Result;
-use crate::plan::{Dependency, Pass, Plan, State, Subpass};
+use crate::plan::{Dependency, Pass, Plan, Subpass};
+use crate::{Error, Result};
 
 /// Creates what the plan says, nothing more.
 ///
 /// # Errors
-/// [`crate::Error::Vulkan`].
+/// [`Error::Vulkan`]; [`Error::Unsupported`] if the plan needs a feature that the device was made without.
 pub fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<Owned<vk::RenderPass>> {
+    if pass.subpasses.iter().any(|s| s.ordered) && !device.features().ordered_attachment_access {
+        return Err(Error::unsupported(
+            "the plan adds light in the shader, and the device was made without \
+             rasterizationOrderColorAttachmentAccess (VK_EXT_rasterization_order_attachment_access)",
+            "enable it and say so in `Features`, or use --lights clusters or --layout ontile128",
+        ));
+    }
     let attachments: Vec<_> = pass
         .attachments
         .iter()
@@ -44,23 +51,30 @@ struct References {
     inputs: Vec<vk::AttachmentReference>,
     depth: Option<vk::AttachmentReference>,
     preserve: Vec<u32>,
+    flags: vk::SubpassDescriptionFlags,
 }
 
 impl References {
     fn new(subpass: &Subpass) -> Self {
         let reference =
             |&i: &usize, state| vk::AttachmentReference { attachment: i as u32, layout: conv::layout(state) };
+        let colors = subpass.colors.iter().zip(&subpass.color_states);
         let inputs = subpass.inputs.iter().zip(&subpass.input_states);
         Self {
-            colors: subpass.colors.iter().map(|i| reference(i, State::Color)).collect(),
+            colors: colors.map(|(i, &state)| reference(i, state)).collect(),
             inputs: inputs.map(|(i, &state)| reference(i, state)).collect(),
             depth: subpass.depth.as_ref().zip(subpass.depth_state).map(|(i, state)| reference(i, state)),
             preserve: subpass.preserve.iter().map(|&i| i as u32).collect(),
+            flags: match subpass.ordered {
+                true => vk::SubpassDescriptionFlags::RASTERIZATION_ORDER_ATTACHMENT_COLOR_ACCESS_EXT,
+                false => vk::SubpassDescriptionFlags::empty(),
+            },
         }
     }
 
     fn description(&self) -> vk::SubpassDescription<'_> {
         let description = vk::SubpassDescription::default()
+            .flags(self.flags)
             .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
             .color_attachments(&self.colors)
             .input_attachments(&self.inputs)

@@ -9,7 +9,8 @@ use crate::reference::Stored;
 
 /// The G-buffer of the last frame, which was kept ([`Options::keep_gbuffer`](crate::plan::Options::keep_gbuffer)); one element a
 /// pixel, rows from the top. `dark` is a frame of the same scene without its lights: there the light target still holds what
-/// geometry wrote. It is needed where the plan has a light target.
+/// geometry wrote. It is needed where the plan has a light target. Of layouts that hold light in words, to which lights were added
+/// one by one, it is the sum that is found.
 ///
 /// # Errors
 /// As [`Offscreen::attachment`].
@@ -18,7 +19,7 @@ pub fn stored(offscreen: &Offscreen, dark: Option<&Offscreen>) -> Result<Vec<Sto
     let gbuffer = &plan.gbuffer;
     let depth = gbuffer.form.has_depth().then(|| offscreen.attachment("depth")).transpose()?;
     let word = match &gbuffer.light {
-        LightPlace::Read(word) if plan.light_is_read() => word.as_ref(),
+        LightPlace::Read(word) if plan.light_is_read() => word.as_ref().map(|word| &word.once),
         _ => None,
     };
     let surface = gbuffer.surface.iter().chain(word).map(|t| t.name).filter(|name| *name != "depth");

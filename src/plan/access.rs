@@ -43,6 +43,7 @@ impl Access {
             Use::Depth | Use::Stencil => [Self::DepthRead, Self::DepthWrite].into(),
             Use::DepthTest => [Self::DepthRead].into(),
             Use::Read => [Self::InputRead].into(),
+            Use::Modify => [Self::InputRead, Self::ColorWrite].into(),
         }
     }
 
@@ -83,6 +84,8 @@ pub enum State {
     Depth,
     /// Input attachment.
     Input,
+    /// Input attachment and colour output at once.
+    InputColor,
     /// Depth as an input attachment, and tested if need be, but not written.
     DepthInput,
     /// The same while the stencil beside it is written.
@@ -100,6 +103,7 @@ impl State {
     pub fn of(uses: &[Use], depth: bool) -> Self {
         let read = uses.contains(&Use::Read);
         match (depth, read) {
+            (false, _) if uses.contains(&Use::Modify) => Self::InputColor,
             (true, true) if uses.contains(&Use::Stencil) => Self::DepthInputStencil,
             (true, true) => Self::DepthInput,
             (true, false) => Self::Depth,

@@ -71,14 +71,26 @@ pub(super) fn check_light(
     needs: &Needs,
     options: &Options,
     way: LightWay,
+    limits: &Limits,
 ) -> crate::Result<()> {
     let layout = gbuffer.layout;
     let refused = |problem: String, remedy: &str| Err(crate::Error::unsupported(problem, remedy.to_owned()));
     let LightPlace::Added { .. } = gbuffer.light else {
-        if way.is_one_by_one() {
-            let problem =
-                format!("layout {layout} has no light target to which '{way}' could add light by light");
-            return refused(problem, "use --lights clusters or fullscreen, or --layout ontile128");
+        match gbuffer.light {
+            LightPlace::Read(_) if way.is_one_by_one() && !limits.ordered_attachment_access => {
+                let problem = format!(
+                    "layout {layout} holds light in words, to which '{way}' adds in the shader; the device has no \
+                     rasterization-order attachment access (VK_EXT_rasterization_order_attachment_access) for that"
+                );
+                return refused(problem, "use --lights clusters or fullscreen, or --layout ontile128");
+            }
+            LightPlace::Read(_) if way.is_one_by_one() => return Ok(()),
+            _ if way.is_one_by_one() => {
+                let problem =
+                    format!("layout {layout} has no light target to which '{way}' could add light by light");
+                return refused(problem, "use --lights clusters or fullscreen, or --layout ontile128");
+            }
+            _ => {}
         }
         if !options.fold {
             let problem = format!("layout {layout} has no light target between lighting and tonemap");

@@ -86,10 +86,20 @@ pub enum LightPlace {
         split: bool,
     },
     /// In the G-buffer. Geometry writes light that exists before lighting, and the stage that adds all other light reads it and
-    /// applies the tone curve: nothing is blended.
-    Read(Option<Target>),
+    /// applies the tone curve: nothing is blended. Lights that are added one by one are added in the shader, which reads and
+    /// writes these words in the order of drawing ([`Limits::ordered_attachment_access`](super::Limits)).
+    Read(Option<LightWord>),
     /// Nowhere: only light that one stage adds up.
     Nowhere,
+}
+
+/// Words of the G-buffer for light alone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LightWord {
+    /// Where all lights are added at once.
+    pub once: Target,
+    /// Where they are added one by one, each rounded: a shared exponent leaves 9 bits, and dim lights would be lost.
+    pub one_by_one: Target,
 }
 
 /// What light is summed in before the tone curve.

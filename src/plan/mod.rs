@@ -42,7 +42,7 @@ pub use budget::{Verdict, verdicts};
 pub use choice::Choice;
 pub use counts::{FrameCounts, Seen, StateChanges};
 pub use format::Format;
-pub use layout::{Form, GBuffer, LightPlace, LightTarget, Target, Tells};
+pub use layout::{Form, GBuffer, LightPlace, LightTarget, LightWord, Target, Tells};
 pub use ledger::{
     AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
 };
@@ -80,6 +80,9 @@ pub struct Limits {
     pub depth_stencil: Format,
     /// Whether a G-buffer that is neither loaded nor stored stays in tile memory or a cache.
     pub gbuffer_on_chip: bool,
+    /// Whether fragments can read a colour attachment that they write, each what the one before it has left
+    /// (VK_EXT_rasterization_order_attachment_access).
+    pub ordered_attachment_access: bool,
 }
 
 impl Default for Limits {
@@ -92,6 +95,7 @@ impl Default for Limits {
             max_image_size: 4096,
             depth_stencil: Format::D32FloatS8,
             gbuffer_on_chip: true,
+            ordered_attachment_access: false,
         }
     }
 }
@@ -199,6 +203,10 @@ pub struct Subpass {
     pub colors: Vec<usize>,
     /// Whether colour outputs are added to what is there.
     pub blend: bool,
+    /// Whether colour outputs are input attachments too, which each fragment finds as the one before it has left them.
+    pub ordered: bool,
+    /// The state that each colour output is in.
+    pub color_states: Vec<State>,
     /// What input attachments are of, by index.
     pub input_names: Vec<&'static str>,
     /// By input attachment index.
@@ -325,7 +333,7 @@ impl Plan {
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
         let gbuffer = GBuffer::new(&options)?;
         if path == Path::Deferred && needs.lit.is_some() {
-            check_light(&gbuffer, &needs, &options, light_way)?;
+            check_light(&gbuffer, &needs, &options, light_way, limits)?;
         }
         let frame = stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil);
         let places = derive::place(&frame, &options);
@@ -371,7 +379,8 @@ impl Plan {
 
     /// Whether a light target exists.
     pub fn has_light_target(&self) -> bool {
-        self.needs.lit.is_some() && !self.folded
+        let in_gbuffer = self.has_gbuffer() && matches!(self.gbuffer.light, LightPlace::Read(_));
+        self.needs.lit.is_some() && !self.folded && !in_gbuffer
     }
 
     /// What light is summed in, if it is.
@@ -380,10 +389,10 @@ impl Plan {
         self.has_light_target().then(|| stage::added_light(&self.gbuffer, one_by_one).0)
     }
 
-    /// Whether light that exists before lighting is in the G-buffer, where lighting reads it.
+    /// Whether light is in the G-buffer, where lighting reads it: light that exists before, or all that is added one by one.
     pub fn light_is_read(&self) -> bool {
         let in_gbuffer = matches!(self.gbuffer.light, LightPlace::Read(_));
-        in_gbuffer && self.has_gbuffer() && !self.needs.prelit.is_empty()
+        in_gbuffer && self.has_gbuffer() && (!self.folded || !self.needs.prelit.is_empty())
     }
 
     /// The factor that exposed light is stored with.

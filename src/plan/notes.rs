@@ -1,6 +1,6 @@
 //! Decisions that a reader may wonder about.
 
-use super::layout::{GBuffer, LightTarget, Tells};
+use super::layout::{GBuffer, LightPlace, LightTarget, Tells};
 use super::{Attachment, Format, Needs, Options, Path, path};
 
 /// What a plan tells besides what it consists of.
@@ -33,6 +33,13 @@ pub(super) fn of(
             is_there && light.target.format == Format::Rgb10a2Unorm
         };
         let light = gbuffer.added_light(false).map(|(light, _)| light).filter(clips);
+        if path == Path::Deferred && matches!(gbuffer.light, LightPlace::Read(_)) {
+            notes.push(
+                "light is added in the shader: each fragment reads and writes the words that hold it after the one before \
+                 (VK_EXT_rasterization_order_attachment_access)"
+                    .into(),
+            );
+        }
         notes.extend(light.map(|l| format!("the light target holds exposed light up to {}", l.range)));
         notes.extend(path::notes(options, path));
         if !options.recycle {

@@ -130,7 +130,11 @@ impl Plan {
             if !s.inputs.is_empty() {
                 writeln!(f, "      reads   {}", list(&s.inputs))?;
             }
-            let blend = if s.blend { " (added)" } else { "" };
+            let blend = match (s.blend, s.ordered) {
+                (true, _) => " (added)",
+                (_, true) => " (each fragment over what it has read, in order)",
+                _ => "",
+            };
             if !s.colors.is_empty() {
                 writeln!(f, "      writes  {}{blend}", list(&s.colors))?;
             }

@@ -35,12 +35,15 @@ pub enum Use {
     Stencil,
     /// Input attachment: this pixel of an earlier stage's output.
     Read,
+    /// Input attachment and colour output at once: each fragment reads what the one before it has left, in the order of
+    /// rasterisation.
+    Modify,
 }
 
 impl Use {
     /// Whether earlier content matters.
     pub const fn reads(self) -> bool {
-        matches!(self, Self::Blend | Self::Read | Self::DepthTest | Self::Stencil)
+        matches!(self, Self::Blend | Self::Read | Self::DepthTest | Self::Stencil | Self::Modify)
     }
 
     /// Whether content changes.
@@ -214,10 +217,12 @@ impl Frame {
             }
         };
 
-        let light_read = matches!(gbuffer.light, LightPlace::Read(_)) && !needs.prelit.is_empty();
+        let in_gbuffer = matches!(gbuffer.light, LightPlace::Read(_));
+        let light_read = in_gbuffer && (one_by_one || !needs.prelit.is_empty());
         let folded = match gbuffer.light {
             LightPlace::Added { .. } => needs.prelit.is_empty() && options.fold && !one_by_one,
-            LightPlace::Read(_) | LightPlace::Nowhere => true,
+            LightPlace::Read(_) => !one_by_one,
+            LightPlace::Nowhere => true,
         };
         let mut surface: Vec<_> = gbuffer
             .surface
@@ -233,6 +238,7 @@ impl Frame {
         if let LightPlace::Read(Some(word)) = &gbuffer.light
             && light_read
         {
+            let word = if one_by_one { &word.one_by_one } else { &word.once };
             surface.push(add(word, options.keep_gbuffer, light_why.clone()));
         }
         let (light, split) = added_light(gbuffer, one_by_one);
@@ -242,14 +248,22 @@ impl Frame {
             ..light.target
         };
         let targets = [Some(light.target), split.then_some(other)];
-        let lights_added: Vec<_> = if folded {
+        // What light is added to in the shader.
+        let modified: Vec<_> = match gbuffer.light {
+            _ if folded => Vec::new(),
+            LightPlace::Read(Some(_)) => surface.last().copied().into_iter().collect(),
+            LightPlace::Read(None) => surface.clone(),
+            _ => Vec::new(),
+        };
+        let lights_added: Vec<_> = if folded || in_gbuffer {
             Vec::new()
         } else {
             targets.iter().flatten().map(|t| add(t, options.keep_gbuffer, light_why.clone())).collect()
         };
         // What tells the light of surfaces from the background, and where fog begins.
         let has_fog = needs.fog.is_some();
-        let by_depth = !light.has_alpha() && (has_fog || needs.background.is_some());
+        let tells_background = has_fog || needs.background.is_some();
+        let by_depth = !light.has_alpha() && tells_background;
         let positions: Vec<_> = {
             let told = |tells| {
                 let targets = gbuffer.surface.iter().zip(&surface);
@@ -257,9 +271,11 @@ impl Frame {
             };
             let albedo = told(Tells::Albedo).filter(|_| split);
             let read = depth.filter(|_| is_read).into_iter();
-            read.chain(told(Tells::Position)).filter(|_| has_fog || by_depth).chain(albedo).collect()
+            let of_position = read.chain(told(Tells::Position)).filter(|r| !modified.contains(r));
+            let is_wanted = has_fog || by_depth || (in_gbuffer && tells_background);
+            of_position.filter(|_| is_wanted).chain(albedo).collect()
         };
-        if folded && light_read && (has_fog || needs.background.is_some()) {
+        if light_read && tells_background {
             // The layouts that do not say it otherwise read it from depth.
             for &r in &surface {
                 if resources[r].name == "depth" {
@@ -277,7 +293,7 @@ impl Frame {
             }
             if let Some(&last) = lights_added.last()
                 && light.has_alpha()
-                && (has_fog || needs.background.is_some())
+                && tells_background
             {
                 resources[last].holds = Self::LIGHT_AND_BACKGROUND;
             }
@@ -295,7 +311,8 @@ impl Frame {
         let test = if way == LightWay::Stencil { Use::Stencil } else { Use::DepthTest };
         let test = depth.filter(|_| one_by_one).map(|depth| (depth, test));
         let depth_read = depth.filter(|_| is_read);
-        let read = depth_read.iter().chain(&surface).map(|&r| (r, Use::Read)).chain(test);
+        let how = |r: &usize| (*r, if modified.contains(r) { Use::Modify } else { Use::Read });
+        let read = depth_read.iter().chain(&surface).map(how).chain(test);
         let adds = |r: &usize| (*r, Use::Blend);
         let lighting = Stage {
             name: "lighting",
@@ -306,7 +323,11 @@ impl Frame {
             why: format!(
                 "{}{}{}",
                 lights(),
-                if one_by_one { ", each where its volume is" } else { "" },
+                match (one_by_one, in_gbuffer) {
+                    (true, true) => ", each where its volume is, added in the shader in the order of drawing",
+                    (true, false) => ", each where its volume is",
+                    (false, _) => "",
+                },
                 match (folded, light_read) {
                     (true, true) => "; applies the tone curve too, since it is the only one to add light",
                     (true, false) => {
@@ -319,7 +340,7 @@ impl Frame {
         let tonemap = (!folded).then(|| Stage {
             name: "tonemap",
             uses: std::iter::once((Self::OUTPUT, Use::Write))
-                .chain(lights_added.iter().chain(&positions).map(|&r| (r, Use::Read)))
+                .chain(modified.iter().chain(&lights_added).chain(&positions).map(|&r| (r, Use::Read)))
                 .collect(),
             why: if has_fog {
                 "light from several stages was summed; fog goes by the depth of what sent it".into()

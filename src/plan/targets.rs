@@ -1,6 +1,6 @@
 //! The targets of each form of G-buffer.
 
-use super::layout::{Form, GBuffer, Target, Tells};
+use super::layout::{Form, GBuffer, LightWord, Target, Tells};
 use super::{DepthStore, Format, Gamma, Normals};
 
 impl GBuffer {
@@ -144,10 +144,20 @@ const DEPTH: Target = Target {
     tells: Tells::Position,
 };
 
-pub(super) const LIGHT_WORD: Target = Target {
+pub(super) const LIGHT_WORD: LightWord = LightWord {
+    once: ONCE,
+    one_by_one: Target {
+        format: Format::Rg32Uint,
+        holds: "exposed light, each channel 6 bits of exponent and 15 of mantissa",
+        used_bits: 63,
+        ..ONCE
+    },
+};
+
+const ONCE: Target = Target {
     name: "light_word",
     format: Format::R32Uint,
-    holds: "exposed light before lighting (e5b9g9r9)",
+    holds: "exposed light (e5b9g9r9)",
     used_bits: 32,
     clear: NOTHING,
     tells: Tells::Surface,

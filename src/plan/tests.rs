@@ -143,7 +143,7 @@ prop_compose! {
             all.push(resource(format, clear || is_depth, kept && how[1] % 4 == 0));
             for stage in start..stages {
                 let first = stage == start;
-                let how = match how[stage] % 6 {
+                let how = match how[stage] % 7 {
                     1 if is_depth && !first => Use::DepthTest,
                     2 if is_depth && !first => continue,
                     3 if is_depth && !first => Use::Stencil,
@@ -158,6 +158,7 @@ prop_compose! {
                     1 => Use::Blend,
                     2 if first => Use::Write,
                     3 if !first => continue,
+                    4 => Use::Modify,
                     _ if first => Use::Write,
                     _ => Use::Read,
                 };
@@ -188,6 +189,14 @@ proptest! {
         prop_assert_eq!(interpret(&frame, &places, &passes), Ok(()));
         prop_assert_eq!(check_dependencies(&frame, &places, &passes), Ok(()));
 
+        for subpass in passes.iter().flat_map(|p| &p.subpasses) {
+            let both = subpass.inputs.iter().zip(&subpass.input_states);
+            for (input, state) in both {
+                let color = subpass.colors.iter().position(|c| c == input);
+                prop_assert_eq!(color.is_some(), *state == State::InputColor);
+                prop_assert!(color.is_none_or(|c| subpass.color_states[c] == *state && subpass.ordered));
+            }
+        }
         for (p, pass) in passes.iter().enumerate() {
             for (a, attachment) in pass.attachments.iter().enumerate() {
                 let mut broken = passes.clone();

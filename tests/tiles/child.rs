@@ -103,7 +103,12 @@ impl Case {
             ..Options::default()
         };
         // What every Adreno of these generations allows.
-        let limits = Limits { max_color_attachments: 8, max_input_attachments: 8, ..Limits::default() };
+        let limits = Limits {
+            max_color_attachments: 8,
+            max_input_attachments: 8,
+            ordered_attachment_access: true,
+            ..Limits::default()
+        };
         let mut plan = Plan::new(Needs::of(scene), options, &limits).unwrap();
         if let Some(fault) = self.fault {
             spoil(&mut plan, fault);

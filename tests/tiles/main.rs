@@ -197,6 +197,9 @@ fn one_pass_stays_on_the_tile() {
         (3, Case { path: LightPath::ForwardMultipass, ..metallic("before_sky") }),
         (2, Case { path: LightPath::Forward, depth_prepass: true, ..metallic(ALL_STAGES) }),
         (4, Case { depth_prepass: true, ..metallic(ALL_STAGES) }),
+        (3, Case { lights: LightWay::Volumes, ..Case::new(ALL_STAGES, Layout::Packed128) }),
+        (3, Case { lights: LightWay::Stencil, ..Case::new(ALL_STAGES, Layout::Packed128) }),
+        (3, Case { lights: LightWay::Volumes, ..Case::new("lights_only", Layout::Metallic256) }),
     ];
     for (subpasses, case) in &cases {
         frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));

@@ -134,7 +134,9 @@ impl Builder<'_> {
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
         let multisample = vk::PipelineMultisampleStateCreateInfo::default()
             .rasterization_samples(vk::SampleCountFlags::TYPE_1);
-        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&state.blend);
+        let blend = vk::PipelineColorBlendStateCreateInfo::default()
+            .flags(state.blend_flags)
+            .attachments(&state.blend);
         let dynamic = vk::PipelineDynamicStateCreateInfo::default()
             .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
         let info = vk::GraphicsPipelineCreateInfo::default()

@@ -49,6 +49,7 @@ fn gbuffer_constants(plan: &Plan) -> GBufferConstants {
         light_target: plan.has_light_target(),
         light_alpha: plan.light_target().is_none_or(|light| light.has_alpha()),
         light_read: plan.light_is_read(),
+        light_added: plan.light_is_read() && !plan.folded,
         ..GBufferConstants::new(&plan.gbuffer)
     }
 }

@@ -55,6 +55,7 @@ pub(super) struct FixedState {
     pub(super) raster: vk::PipelineRasterizationStateCreateInfo<'static>,
     pub(super) depth: Option<vk::PipelineDepthStencilStateCreateInfo<'static>>,
     pub(super) blend: Vec<vk::PipelineColorBlendAttachmentState>,
+    pub(super) blend_flags: vk::PipelineColorBlendStateCreateFlags,
 }
 
 impl FixedState {
@@ -95,7 +96,11 @@ impl FixedState {
         } else {
             all
         };
-        Self { raster, depth, blend: vec![one; subpass.colors.len()] }
+        let blend_flags = match subpass.ordered {
+            true => vk::PipelineColorBlendStateCreateFlags::RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXT,
+            false => vk::PipelineColorBlendStateCreateFlags::empty(),
+        };
+        Self { raster, depth, blend: vec![one; subpass.colors.len()], blend_flags }
     }
 }
 

@@ -230,6 +230,8 @@ pub struct GBufferConstants {
     pub light_alpha: bool,
     /// Light is in the G-buffer.
     pub light_read: bool,
+    /// Lights are added to it one by one.
+    pub light_added: bool,
 }
 
 impl GBufferConstants {
@@ -244,6 +246,7 @@ impl GBufferConstants {
             light_target: false,
             light_alpha: true,
             light_read: false,
+            light_added: false,
         }
     }
 
@@ -284,6 +287,7 @@ impl GBufferConstants {
             (const { shared("ID_LIGHT_TARGET") }, self.light_target.into()),
             (const { shared("ID_LIGHT_ALPHA") }, self.light_alpha.into()),
             (const { shared("ID_LIGHT_READ") }, self.light_read.into()),
+            (const { shared("ID_LIGHT_ADDED") }, self.light_added.into()),
         ])
     }
 }
