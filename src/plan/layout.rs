@@ -87,7 +87,8 @@ pub enum LightPlace {
     },
     /// In the G-buffer. Geometry writes light that exists before lighting, and the stage that adds all other light reads it and
     /// applies the tone curve: nothing is blended. Lights that are added one by one are added in the shader, which reads and
-    /// writes these words in the order of drawing ([`Limits::ordered_attachment_access`](super::Limits)).
+    /// writes these words in the order of drawing ([`Limits::ordered_attachment_access`](super::Limits)). Each addition rounds: of
+    /// a hundred equal lights half floats lose up to 3 % where the device cuts off, e5b9g9r9 4.5 %, 21 bits a channel 0.024 %.
     Read(Option<LightWord>),
     /// Nowhere: only light that one stage adds up.
     Nowhere,

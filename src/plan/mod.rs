@@ -81,7 +81,8 @@ pub struct Limits {
     /// Whether a G-buffer that is neither loaded nor stored stays in tile memory or a cache.
     pub gbuffer_on_chip: bool,
     /// Whether fragments can read a colour attachment that they write, each what the one before it has left
-    /// (VK_EXT_rasterization_order_attachment_access).
+    /// (VK_EXT_rasterization_order_attachment_access). Mesa's Turnip keeps such passes on the tile; on Adreno 6xx it draws that
+    /// subpass in its single-primitive mode, which waits where primitives overlap.
     pub ordered_attachment_access: bool,
 }
 
