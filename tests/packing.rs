@@ -86,7 +86,7 @@ fn bits(gbuffer: &GBuffer) -> u32 {
             let targets = if *split { 2 } else { 1 };
             gbuffer.surface_bits() + sum.target.format.bits() * targets
         }
-        LightPlace::Read(word) => gbuffer.surface_bits() + word.map_or(0, |w| w.format.bits()) + OUTPUT,
+        LightPlace::Read(word) => gbuffer.surface_bits() + word.map_or(0, |w| w.once.format.bits()) + OUTPUT,
         LightPlace::Nowhere => gbuffer.surface_bits() + OUTPUT,
     }
 }
