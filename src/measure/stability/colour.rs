@@ -304,10 +304,10 @@ fn rgbm(lab: &Lab<'_>) -> Result<Findings> {
                 name: "HALFWAY",
                 unit: "% of the light",
                 good: 0.01,
-                // Roots of 1 and 0 filter to a half, squared; factors of 1 and 1/255 to half, squared again: 1/16 for 1/2.
-                most: 100.0 * (1.0 - 2.0 / 16.0),
-                reason: "halfway between light and darkness, RGBM's factor and the roots that it stores are each halved and squared: a \
-                         16th for a half",
+                // A factor of half, squared, is a quarter where half is true; roots are up to 1 in 255 / 2 off besides.
+                most: 55.0,
+                reason: "halfway between light and near darkness, whose roots are near 1 too, RGBM's factor is halved and then squared: a \
+                         quarter for a half",
             },
             answer: None,
             remedy: if is_rgbm {
