@@ -22,6 +22,7 @@ mod race;
 #[cfg(feature = "cli")]
 pub mod stability;
 mod stats;
+mod stored;
 pub mod tiler;
 #[cfg(feature = "cli")]
 pub mod turnip;
@@ -37,3 +38,4 @@ pub use host::{FrameTimes, Host};
 #[cfg(feature = "cli")]
 pub use race::{Clock, Effort, Racer, race, rounded_ms};
 pub use stats::Summary;
+pub use stored::stored;

@@ -21,17 +21,19 @@ mod ledger;
 mod lightmap;
 mod lights;
 mod needs;
+mod notes;
 mod options;
 mod path;
 mod print;
 mod shadow;
 mod shadow_report;
 mod stage;
+mod targets;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use check::check_size;
-use check::{check_counts, check_dither, check_shadows};
+use check::{check_counts, check_dither, check_light, check_shadows};
 
 pub use access::{Access, Scope, State};
 pub use around::{Around, AroundImage, EnvironmentNeed};
@@ -40,7 +42,7 @@ pub use budget::{Verdict, verdicts};
 pub use choice::Choice;
 pub use counts::{FrameCounts, Seen, StateChanges};
 pub use format::Format;
-pub use layout::{LayoutTable, LightTarget, Target};
+pub use layout::{Form, GBuffer, LightPlace, LightTarget, Target, Tells};
 pub use ledger::{
     AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
 };
@@ -50,8 +52,8 @@ pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
 pub use options::{
-    Layout, LightWay, Options, OutputFormat, OutputUse, Path, ShadowFilter, ShadowFormat, ShadowOptions,
-    Strategy, Tonemap,
+    DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, OutputUse, Path,
+    ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
 };
 pub use shadow::{
     CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, bias_texels, spread_texels,
@@ -191,14 +193,22 @@ pub struct Subpass {
     pub name: &'static str,
     /// Why it exists.
     pub why: String,
+    /// What colour outputs are of, by location.
+    pub color_names: Vec<&'static str>,
     /// By colour output location.
     pub colors: Vec<usize>,
     /// Whether colour outputs are added to what is there.
     pub blend: bool,
+    /// What input attachments are of, by index.
+    pub input_names: Vec<&'static str>,
     /// By input attachment index.
     pub inputs: Vec<usize>,
+    /// The state that each of them is in.
+    pub input_states: Vec<State>,
     /// Depth test.
     pub depth: Option<usize>,
+    /// The state that depth is in.
+    pub depth_state: Option<State>,
     /// Whether it also writes depth.
     pub depth_write: bool,
     /// Whether the stencil of the depth attachment is written and tested.
@@ -282,6 +292,8 @@ pub struct Plan {
     pub pipelines: Vec<(usize, Pipeline)>,
     /// What surfaces sample to receive light from all around.
     pub around: Vec<AroundImage>,
+    /// What a G-buffer of this plan consists of, whether or not the path has one.
+    pub gbuffer: GBuffer,
     /// The path taken: never [`Path::Auto`]. Without lit surfaces they are all the same.
     pub path: Path,
     /// Whether the stage that lights applies the tone curve itself, so that there is no light target.
@@ -311,7 +323,11 @@ impl Plan {
         around::check(&needs)?;
         let (path, path_why) = path::resolve(&needs, &options, limits)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
-        let frame = stage::Frame::new(&needs, &options, path, light_way, limits.depth_stencil);
+        let gbuffer = GBuffer::new(&options)?;
+        if path == Path::Deferred && needs.lit.is_some() {
+            check_light(&gbuffer, &needs, &options, light_way)?;
+        }
+        let frame = stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil);
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
@@ -320,7 +336,7 @@ impl Plan {
         let around = around::images(&needs, &options);
         let pipelines = pipelines(&frame, &needs, light_way);
         let folded = frame.folded;
-        let mut notes = notes(&needs, &options, path, &attachments, folded);
+        let mut notes = notes::of(&needs, &options, &gbuffer, path, &attachments, folded);
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
@@ -332,6 +348,7 @@ impl Plan {
             passes,
             pipelines,
             around,
+            gbuffer,
             path,
             folded,
             light_way,
@@ -358,9 +375,15 @@ impl Plan {
     }
 
     /// What light is summed in, if it is.
-    pub fn light_target(&self) -> Option<&'static LightTarget> {
+    pub fn light_target(&self) -> Option<LightTarget> {
         let one_by_one = self.path == Path::ForwardMultipass || self.light_way.is_one_by_one();
-        self.has_light_target().then(|| self.options.layout.light(one_by_one))
+        self.has_light_target().then(|| stage::added_light(&self.gbuffer, one_by_one).0)
+    }
+
+    /// Whether light that exists before lighting is in the G-buffer, where lighting reads it.
+    pub fn light_is_read(&self) -> bool {
+        let in_gbuffer = matches!(self.gbuffer.light, LightPlace::Read(_));
+        in_gbuffer && self.has_gbuffer() && !self.needs.prelit.is_empty()
     }
 
     /// The factor that exposed light is stored with.
@@ -398,46 +421,4 @@ fn pipelines(frame: &stage::Frame, needs: &Needs, way: LightWay) -> Vec<(usize, 
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
     let sky = needs.sky.then_some((surface, Pipeline::Sky));
     depths.chain(surfaces).chain(sky).chain(lights).chain(lighting).chain(tonemap).collect()
-}
-
-fn notes(
-    needs: &Needs,
-    options: &Options,
-    path: Path,
-    attachments: &[Attachment],
-    folded: bool,
-) -> Vec<String> {
-    let mut notes = Vec::new();
-    if options.depth_prepass && needs.triangles <= 1 {
-        notes.push("no triangle hides another: no depth test, so no depth pre-pass".into());
-    }
-    if needs.lit.is_none() {
-        notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());
-    } else if path == Path::Forward {
-        notes.extend(path::notes(options, path));
-    } else if folded {
-        notes.push(
-            "no light exists before lighting: lighting and tonemap are one subpass, no light target".into(),
-        );
-    } else {
-        let table = options.layout.table();
-        let is_unorm = attachments.iter().any(|a| a.format == Format::Rgb10a2Unorm);
-        let range = format!("the light target holds exposed light up to {}", table.light.range);
-        notes.extend(is_unorm.then_some(range));
-        notes.extend(path::notes(options, path));
-        if !options.recycle {
-            notes.push("recycling is off: every resource has an attachment of its own".into());
-        } else if path == Path::Deferred && !attachments[0].name.contains('/') {
-            let base = table.surface[2].format;
-            notes.push(if !options.output_is_input_attachment {
-                "the output cannot be read as an input attachment, so base_metallic has its own".into()
-            } else if base != options.output.into() {
-                let output = Format::from(options.output);
-                format!("base_metallic is {base} and the output {output}, so they cannot share an attachment")
-            } else {
-                "the G-buffer is kept, so the output cannot stand in for base_metallic".into()
-            });
-        }
-    }
-    notes
 }

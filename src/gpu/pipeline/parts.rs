@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::super::shader::{Module, Shaders, Specialization, shared_names};
+use super::super::shader::{AttachmentPlaces, Module, Shaders, Specialization, shared_names};
 use super::super::shadow::{caster_bindings, caster_input, caster_modules};
 use super::{Family, VertexInput, modules};
 use crate::Result;
@@ -30,6 +30,8 @@ pub struct PipelineParts {
     pub modules: (Module, Option<Module>),
     /// What they were specialised with, whether they know it or not.
     pub specialization: Specialization,
+    /// Where the subpass has its attachments.
+    pub places: AttachmentPlaces,
 }
 
 impl PipelineParts {
@@ -41,7 +43,8 @@ impl PipelineParts {
         let of_plan = plan.pipelines.iter().map(|(stage, pipeline)| {
             let (vertex, fragment, constants) = modules(plan, pipeline);
             let family = Family::of(plan, *stage, pipeline);
-            let shaders = Shaders::new(vertex, fragment, &constants)?;
+            let places = AttachmentPlaces::of(plan.subpass(*stage).2)?;
+            let shaders = Shaders::new(vertex, fragment, &constants, &places)?;
             let input = VertexInput::new(pipeline, &shaders.attributes)?;
             Ok(Self {
                 name: plan.pipeline_text(pipeline),
@@ -53,6 +56,7 @@ impl PipelineParts {
                 shaders,
                 modules: (vertex, fragment),
                 specialization: constants,
+                places,
             })
         });
         let casters = plan.shadow_map.iter().flat_map(|map| &map.casters).map(|kind| {
@@ -60,7 +64,7 @@ impl PipelineParts {
             let (streams, attributes) = caster_input(kind.mask.as_ref())?;
             Ok(Self {
                 name: format!("shadow caster, {kind}"),
-                shaders: Shaders::new(vertex, fragment, &constants)?,
+                shaders: Shaders::new(vertex, fragment, &constants, &AttachmentPlaces::default())?,
                 bindings: counts(&caster_bindings(kind)),
                 attributes: attributes.iter().map(|a| a.location).collect(),
                 vertex_bytes: streams.iter().map(|b| b.stride).sum(),
@@ -68,6 +72,7 @@ impl PipelineParts {
                 push_constants: true,
                 modules: (vertex, fragment),
                 specialization: constants,
+                places: AttachmentPlaces::default(),
             })
         });
         of_plan.chain(casters).collect()
@@ -85,8 +90,11 @@ impl PipelineParts {
             let mut without = self.specialization.clone();
             without.ids.remove(index);
             let value = without.data.remove(index);
-            let shaders = Shaders::new(vertex, fragment, &without)?;
-            if (&shaders.vertex, &shaders.fragment) != (&self.shaders.vertex, &self.shaders.fragment) {
+            // Without the G-buffer's form the shaders have targets that the subpass has not.
+            let same = Shaders::new(vertex, fragment, &without, &self.places).is_ok_and(|shaders| {
+                (&shaders.vertex, &shaders.fragment) == (&self.shaders.vertex, &self.shaders.fragment)
+            });
+            if !same {
                 let name = shared_names("ID_").find(|(_, number)| number == id);
                 needed.insert(name.map_or("(without a name)", |(name, _)| name), value);
             }
