@@ -80,7 +80,7 @@ fn sum(_: &Lab<'_>) -> Result<Findings> {
             answer: answered.then_some(Answer::Mended),
             remedy: if answered {
                 "lights that are added one by one (--lights volumes, stencil; --path forward-multipass) get a target of half \
-                 floats; the other ways sum in registers and store once"
+                 floats unless --light-target asks for another; the other ways sum in registers and store once"
                     .into()
             } else {
                 String::new()
