@@ -319,7 +319,9 @@ impl GBuffer {
         };
         match *projection {
             // Reversed depth is near / distance: half a code above 0.
-            Projection::Perspective { znear_m, zfar_m: None, .. } => Some(znear_m * (2.0 * ((1_u32 << bits) - 1) as f32)),
+            Projection::Perspective { znear_m, zfar_m: None, .. } => {
+                Some(znear_m * (2.0 * ((1_u32 << bits) - 1) as f32))
+            }
             _ => None,
         }
     }
