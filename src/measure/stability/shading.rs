@@ -305,7 +305,7 @@ fn grazed(view_degrees: f32, light_degrees: f32, turned: f64) -> f64 {
             most = f64::max(most, (reflected(view, light, n) - truth).abs());
         }
     }
-    (most + 0.05 * truth) / reflected(0.0, 0.0, DVec3::Z) + 0.01
+    (1.05 * most + 0.05 * truth) / reflected(0.0, 0.0, DVec3::Z) + 0.01
 }
 
 /// A lamp over a floor of which a camera sees what lies below it.
