@@ -113,7 +113,7 @@ pub(super) fn encodings() -> Result<Vec<Encoding>> {
             by_axes,
             None,
         ),
-        of(Layout::Packed128, None, octahedral(12), by_face, None),
+        of(Layout::Packed128, None, octahedral(11), by_face, None),
     ];
     choices.chain(layouts).collect()
 }
