@@ -15,7 +15,7 @@ use super::tonemap::tonemap;
 use super::view::{Ray, View};
 use super::visibility::{Hit, Visibility};
 use crate::environment::TexelFormat;
-use crate::plan::{Format, GBuffer, LightPlace, Tonemap};
+use crate::plan::{Brdf, Format, GBuffer, LightPlace, Tonemap};
 use crate::scene::{Background, Camera, Scene};
 
 /// What is computed.
@@ -37,6 +37,8 @@ pub struct Settings {
     pub shadows: bool,
     /// How light from all around is evaluated.
     pub around: Method,
+    /// How reflection is evaluated; half floats are not modelled.
+    pub brdf: Brdf,
     /// What stores the lightmap; `None` keeps f64.
     pub lightmap: Option<TexelFormat>,
 }
@@ -52,6 +54,7 @@ impl Default for Settings {
             light_scale: 1.0,
             shadows: true,
             around: Method::default(),
+            brdf: Brdf::Exact,
             lightmap: None,
         }
     }
@@ -134,6 +137,7 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
     let view = View::new(camera, settings.size);
     let visibility = Visibility::new(scene);
     let around = Around::new(scene, settings.around).with_lightmap(scene, settings.lightmap);
+    let around = around.with_brdf(settings.brdf);
     let occlusion = Occlusion::new(scene, &visibility);
     let occlusion = settings.shadows.then_some(&occlusion);
     let [width, height] = settings.size;
@@ -213,7 +217,7 @@ fn finish(
         hides
     };
     let to_viewer = -view.ray_through_pixel(pixel).direction.normalize();
-    let [diffuse, specular] = reflected_parts(&attributes, to_viewer, scene, hidden);
+    let [diffuse, specular] = reflected_parts(settings.brdf, &attributes, to_viewer, scene, hidden);
     let factor = settings.exposure() * settings.light_scale;
     let linear = match settings.added_light() {
         Some((format, true)) => {
