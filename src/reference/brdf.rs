@@ -153,6 +153,34 @@ mod tests {
     }
 
     #[test]
+    fn the_fitted_visibility_is_at_most_29_percent_too_dark() {
+        // Where n·l = n·v = alpha and all are small, the denominators are 2 sqrt(2) alpha² and 4 alpha².
+        let (mut least, mut place) = (f64::INFINITY, [0.0; 3]);
+        for i in 0..=100 {
+            let alpha = (f64::from(i) / 100.0).max(alpha_from_roughness(0.0));
+            for (j, k) in (0..=200).flat_map(|j| (0..=200).map(move |k| (j, k))) {
+                let (n_dot_v, n_dot_l) = ((f64::from(j) / 200.0).max(MIN_N_DOT_V), f64::from(k) / 200.0);
+                let ratio =
+                    v_smith_fitted(n_dot_l, n_dot_v, alpha) / v_smith_correlated(n_dot_l, n_dot_v, alpha);
+                assert!(ratio < 1.0 + 1e-12, "too bright by {ratio} at {alpha} {n_dot_v} {n_dot_l}");
+                if ratio < least {
+                    (least, place) = (ratio, [alpha, n_dot_v, n_dot_l]);
+                }
+            }
+        }
+        println!("V fitted / V exact: at least {least:.4}, at alpha, n·v, n·l = {place:?}");
+        let [alpha, n_dot_v, n_dot_l] = place;
+        assert!((0.707..0.71).contains(&least), "{least}");
+        assert!(alpha <= 0.01 && n_dot_v <= 0.01 && n_dot_l <= 0.01, "{place:?}");
+        // Exact at either end of alpha.
+        for (a, b) in [(0.01, 0.7), (0.5, 0.5), (1.0, 0.02)] {
+            for alpha in [0.0, 1.0] {
+                assert!((v_smith_fitted(a, b, alpha) / v_smith_correlated(a, b, alpha) - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
     fn f_goes_from_f0_to_one() {
         let f0 = DVec3::new(0.04, 0.5, 0.9);
         assert_eq!(f_schlick(f0, 1.0), f0);
