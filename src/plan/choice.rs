@@ -33,6 +33,11 @@ impl Choice {
         Layout::ALL.iter().map(|&layout| Self::of(layout)).collect()
     }
 
+    /// What [`crate::measure::choose`] chooses from.
+    pub fn candidates() -> Vec<Self> {
+        Layout::ALL.iter().filter(|&&l| l != Layout::Exact).map(|&layout| Self::of(layout)).collect()
+    }
+
     /// Every combination, whether it makes sense or not: [`super::Plan::new`] refuses what does not.
     pub fn every() -> Vec<Self> {
         Layout::ALL.iter().map(|&layout| Self::of(layout)).collect()
