@@ -11,17 +11,17 @@
 #include "light/direct.glsl"
 #include "fog.glsl"
 
-layout(location = TARGET_OUTPUT) out vec4 target_output;
+layout(location = TARGET_LIGHT) out vec4 target_light;
 
 void main() {
     Fragment fragment = surface_at_fragment();
     vec3 light = indirect_light(fragment);
     if (fragment.surface.lit) {
-        light += unlisted_light(fragment.surface);
+        light += complete(unlisted_light(fragment.surface), fragment.surface);
     }
     vec3 exposed_light = light * frame.exposure;
     if (FOG) {
-        exposed_light = fogged(exposed_light, position_world(fragment.surface.depth));
+        exposed_light = fogged(exposed_light, fragment.surface.position_world);
     }
-    target_output = vec4(exposed_light * frame.light_scale, 1.0);
+    target_light = vec4(exposed_light * frame.light_scale, 1.0);
 }

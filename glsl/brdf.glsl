@@ -6,9 +6,6 @@
 // far below the lobe's width (alpha = 2e-3).
 const float MIN_ROUGHNESS = 0.045;
 
-// Reflectance at normal incidence of a dielectric with index of refraction 1.5 (glTF 2.0, B.2.1).
-const float DIELECTRIC_F0 = 0.04;
-
 // At grazing angles interpolated and quantised normals may face away from the viewer.
 const float MIN_N_DOT_V = 1e-4;
 
@@ -18,23 +15,27 @@ struct Reflector {
     float n_dot_v;
     vec3 v;
     float a2;       // alpha^2
-    vec3 diffuse;   // of the dielectric part, without the share that the surface reflects
     float lambda_v; // the viewer's square root of v_smith_correlated
     vec3 f0;        // Fresnel reflectance at normal incidence, dielectric and metal mixed
     vec3 f_rise;    // from there to grazing incidence
 };
 
-// glTF 2.0, B.2 mixes the dielectric's (1 - F_d) base / pi + F_d D V and the metal's F_m D V by metallicness. Schlick's F is
-// linear in f0, so both shares of D V become one, and 1 - F_d = (1 - f0) (1 - m^5).
+// What a surface reflects. Diffuse light is still to be multiplied by albedo / pi, once for all lights.
+struct Reflected {
+    vec3 diffuse;
+    vec3 specular;
+};
+
+vec3 complete(Reflected light, Surface surface) {
+    return light.diffuse * (surface.diffuse / PI) + light.specular;
+}
+
 Reflector reflector(Surface surface, vec3 v) {
     float roughness = max(surface.roughness, MIN_ROUGHNESS);
     float a2 = roughness * roughness * (roughness * roughness);
     float n_dot_v = clamp(dot(surface.normal_world, v), MIN_N_DOT_V, 1.0);
-    float dielectric = 1.0 - surface.metallic;
-    vec3 f0 = mix(vec3(DIELECTRIC_F0), surface.base_color, surface.metallic);
     return Reflector(surface.normal_world, n_dot_v, v, a2,
-        surface.base_color * (dielectric * (1.0 - DIELECTRIC_F0) / PI),
-        sqrt(n_dot_v * n_dot_v * (1.0 - a2) + a2), f0, 1.0 - f0);
+        sqrt(n_dot_v * n_dot_v * (1.0 - a2) + a2), surface.f0, 1.0 - surface.f0);
 }
 
 // GGX (Trowbridge and Reitz 1975; Walter et al. 2007, equation 33) for h = half_way / |half_way|, which is never normalised:
@@ -57,8 +58,10 @@ float v_smith_correlated(float n_dot_l, Reflector r) {
     return 0.5 / (n_dot_l * r.lambda_v + r.n_dot_v * lambda_l);
 }
 
-// Per steradian, towards r.v of light from l, a unit vector with n.l = n_dot_l; the caller multiplies by that and the light.
-vec3 brdf(Reflector r, vec3 l, float n_dot_l) {
+// Towards r.v of light from l, a unit vector with n.l = n_dot_l, for an irradiance of 1.
+// glTF 2.0, B.2 mixes the dielectric's (1 - F_d) base / pi + F_d D V and the metal's F_m D V by metallicness. Schlick's F is
+// linear in f0, so both shares of D V become one, and 1 - F_d = (1 - f0) (1 - m^5).
+Reflected brdf(Reflector r, vec3 l, float n_dot_l) {
     vec3 half_way = r.v + l;
     float half_way_squared = dot(half_way, half_way);
     // Schlick 1994, equation 15, with f90 = 1; |v + l| = 2 (v.h).
@@ -66,5 +69,5 @@ vec3 brdf(Reflector r, vec3 l, float n_dot_l) {
     float m2 = m * m;
     float m5 = m2 * m2 * m;
     float specular = d_ggx(r.n, half_way, half_way_squared, r.a2) * v_smith_correlated(n_dot_l, r);
-    return r.diffuse * (1.0 - m5) + specular * (r.f0 + r.f_rise * m5);
+    return Reflected(vec3((1.0 - DIELECTRIC_F0) * (1.0 - m5)), specular * (r.f0 + r.f_rise * m5));
 }

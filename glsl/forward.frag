@@ -16,13 +16,12 @@ layout(location = TARGET_OUTPUT) out vec4 target_output;
 void main() {
     Fragment fragment = surface_at_fragment();
     Surface surface = fragment.surface;
-    vec3 position = position_world(surface.depth);
     vec3 light = indirect_light(fragment);
-    light += direct_light(surface, position, view_direction_world());
+    light += complete(direct_light(surface, view_direction_world()), surface);
     // The fragment's light is complete.
     vec3 exposed_light = light * frame.exposure;
     if (FOG) {
-        exposed_light = fogged(exposed_light, position);
+        exposed_light = fogged(exposed_light, surface.position_world);
     }
     target_output = output_color(exposed_light);
 }

@@ -20,6 +20,8 @@ layout(location = VARYING_TANGENT) in vec4 varying_tangent_world;
 
 struct Fragment {
     Surface surface;
+    vec3 base_color; // linear Rec.709
+    float metallic;
     vec3 emission;   // cd/m^2
     float occlusion; // the share of light from all around that arrives
 };
@@ -49,12 +51,14 @@ Fragment surface_at_fragment() {
     }
 
     Fragment fragment;
-    fragment.surface.depth = gl_FragCoord.z;
+    fragment.base_color = base_color.rgb;
+    fragment.metallic = material.metallic_factor * roughness_metallic.y;
+    fragment.surface.position_world = position_world(gl_FragCoord.z);
     fragment.surface.lit = !UNLIT;
     fragment.surface.normal_world = surface_normal_world(normal_sample);
     fragment.surface.roughness = material.roughness_factor * roughness_metallic.x;
-    fragment.surface.base_color = base_color.rgb;
-    fragment.surface.metallic = material.metallic_factor * roughness_metallic.y;
+    fragment.surface.diffuse = diffuse_of(fragment.base_color, fragment.metallic);
+    fragment.surface.f0 = f0_of(fragment.base_color, fragment.metallic);
     fragment.emission = emissive_sample * material.emissive_factor_alpha_cutoff.rgb;
     fragment.occlusion = 1.0 + material.occlusion_strength * (occlusion_sample - 1.0);
     return fragment;
@@ -66,7 +70,7 @@ vec3 indirect_light(Fragment fragment) {
     Surface surface = fragment.surface;
     vec3 light = vec3(0.0);
     if (UNLIT) {
-        light = surface.base_color;
+        light = fragment.base_color;
     }
     if (EMISSIVE) {
         light += fragment.emission;
@@ -80,8 +84,7 @@ vec3 indirect_light(Fragment fragment) {
             diffuse_nt += environment_irradiance_nt(surface.normal_world);
             vec3 towards = dominant_direction(surface.normal_world, v, surface.roughness);
             if (PROBES) {
-                vec3 position = position_world(surface.depth);
-                specular_nt = specular_radiance_nt(position, towards, surface.roughness, specular_nt);
+                specular_nt = specular_radiance_nt(surface.position_world, towards, surface.roughness, specular_nt);
             } else {
                 specular_nt += environment_radiance_nt(towards, surface.roughness);
             }

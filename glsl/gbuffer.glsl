@@ -1,9 +1,135 @@
-// The G-buffer layout that this module is compiled for.
+// The G-buffer: what geometry writes of a surface, and later stages read. A pipeline has one of the forms, and of the targets and
+// inputs those that this form has; the rest is removed when it is made. Wants frame.glsl and pixel.glsl.
 
-#if defined(LAYOUT_METALLIC128)
-#include "gbuffer/metallic128.glsl"
-#elif defined(LAYOUT_EXACT)
-#include "gbuffer/exact.glsl"
+#include "gbuffer/surface.glsl"
+#include "gbuffer/normal.glsl"
+#include "gbuffer/color.glsl"
+#include "gbuffer/small_float.glsl"
+
+layout(constant_id = ID_FORM) const uint FORM = FORM_METALLIC;
+
+// Whether diffuse light is summed by itself, and albedo applied in the last stage.
+const bool SPLIT_LIGHT = FORM == FORM_RASA128;
+
+#ifdef SUBPASS_GEOMETRY
+
+layout(constant_id = ID_DEPTH_TARGET) const bool DEPTH_TARGET = false; // else depth is read from the depth attachment
+
+layout(location = TARGET_DEPTH) out float target_depth;
+layout(location = TARGET_POSITION) out vec4 target_position;
+layout(location = TARGET_POSITION_Z) out float target_position_z;
+layout(location = TARGET_NORMAL_ROUGHNESS) out vec4 target_normal_roughness;
+layout(location = TARGET_NORMAL) out vec4 target_normal;
+layout(location = TARGET_NORMAL_XY) out vec2 target_normal_xy;
+layout(location = TARGET_BASE_METALLIC) out vec4 target_base_metallic;
+layout(location = TARGET_SPECULAR) out vec4 target_specular;
+layout(location = TARGET_WORDS) out uvec4 target_words;
+layout(location = TARGET_MORE_WORDS) out uvec4 target_more_words;
+layout(location = TARGET_LIGHT_WORD) out uint target_light_word;
+
+void write_depth() {
+    if (DEPTH_TARGET) {
+        target_depth = gl_FragCoord.z;
+    }
+}
+
 #else
-#error "define LAYOUT_METALLIC128 or LAYOUT_EXACT"
+
+layout(set = SET_INPUTS, binding = INPUT_DEPTH, input_attachment_index = INPUT_DEPTH) uniform subpassInput input_depth;
+layout(set = SET_INPUTS, binding = INPUT_POSITION, input_attachment_index = INPUT_POSITION)
+    uniform subpassInput input_position;
+layout(set = SET_INPUTS, binding = INPUT_POSITION_Z, input_attachment_index = INPUT_POSITION_Z)
+    uniform subpassInput input_position_z;
+layout(set = SET_INPUTS, binding = INPUT_NORMAL_ROUGHNESS, input_attachment_index = INPUT_NORMAL_ROUGHNESS)
+    uniform subpassInput input_normal_roughness;
+layout(set = SET_INPUTS, binding = INPUT_NORMAL, input_attachment_index = INPUT_NORMAL)
+    uniform subpassInput input_normal;
+layout(set = SET_INPUTS, binding = INPUT_NORMAL_XY, input_attachment_index = INPUT_NORMAL_XY)
+    uniform subpassInput input_normal_xy;
+layout(set = SET_INPUTS, binding = INPUT_BASE_METALLIC, input_attachment_index = INPUT_BASE_METALLIC)
+    uniform subpassInput input_base_metallic;
+layout(set = SET_INPUTS, binding = INPUT_SPECULAR, input_attachment_index = INPUT_SPECULAR)
+    uniform subpassInput input_specular;
+layout(set = SET_INPUTS, binding = INPUT_WORDS, input_attachment_index = INPUT_WORDS)
+    uniform usubpassInput input_words;
+layout(set = SET_INPUTS, binding = INPUT_MORE_WORDS, input_attachment_index = INPUT_MORE_WORDS)
+    uniform usubpassInput input_more_words;
+layout(set = SET_INPUTS, binding = INPUT_LIGHT_WORD, input_attachment_index = INPUT_LIGHT_WORD)
+    uniform usubpassInput input_light_word;
+
+vec3 read_position() {
+    return position_world(subpassLoad(input_depth).r);
+}
+
+#endif
+
+#include "gbuffer/light.glsl"
+#include "gbuffer/metallic.glsl"
+#include "gbuffer/specular.glsl"
+#include "gbuffer/thibieroz128.glsl"
+#include "gbuffer/thibieroz96.glsl"
+#include "gbuffer/rasa128.glsl"
+#include "gbuffer/dissertation192.glsl"
+#include "gbuffer/metallic256.glsl"
+#include "gbuffer/specular256.glsl"
+#include "gbuffer/packed128.glsl"
+
+#ifdef SUBPASS_GEOMETRY
+
+// `light`: for the forms that hold it; alpha 1 is a surface, 0 the background.
+void gbuffer_write(Surface surface, vec3 base_color, float metallic, vec4 light) {
+    if (FORM == FORM_METALLIC) {
+        write_metallic(surface, base_color, metallic);
+    } else if (FORM == FORM_SPECULAR) {
+        write_specular(surface);
+    } else if (FORM == FORM_THIBIEROZ128) {
+        write_thibieroz128(surface, base_color, metallic);
+    } else if (FORM == FORM_THIBIEROZ96) {
+        write_thibieroz96(surface, base_color);
+    } else if (FORM == FORM_RASA128) {
+        write_rasa128(surface);
+    } else if (FORM == FORM_DISSERTATION192) {
+        write_dissertation192(surface, base_color, metallic);
+    } else if (FORM == FORM_METALLIC256) {
+        write_metallic256(surface, base_color, metallic, light);
+    } else if (FORM == FORM_SPECULAR256) {
+        write_specular256(surface, light);
+    } else {
+        write_packed128(surface, base_color, metallic, light);
+    }
+}
+
+#else
+
+Surface gbuffer_read() {
+    if (FORM == FORM_METALLIC) {
+        return read_metallic();
+    } else if (FORM == FORM_SPECULAR) {
+        return read_specular();
+    } else if (FORM == FORM_THIBIEROZ128) {
+        return read_thibieroz128();
+    } else if (FORM == FORM_THIBIEROZ96) {
+        return read_thibieroz96();
+    } else if (FORM == FORM_RASA128) {
+        return read_rasa128();
+    } else if (FORM == FORM_DISSERTATION192) {
+        return read_dissertation192();
+    } else if (FORM == FORM_METALLIC256) {
+        return read_metallic256();
+    } else if (FORM == FORM_SPECULAR256) {
+        return read_specular256();
+    }
+    return read_packed128();
+}
+
+// Exposed light * light_scale that geometry wrote, of the forms that hold it; alpha 1 is a surface, 0 the background.
+vec4 gbuffer_read_light() {
+    if (FORM == FORM_METALLIC256) {
+        return read_light_metallic256();
+    } else if (FORM == FORM_SPECULAR256) {
+        return read_light_specular256();
+    }
+    return read_light_packed128();
+}
+
 #endif

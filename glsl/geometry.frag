@@ -1,6 +1,6 @@
 #version 450
-// Writes a material's surface to the G-buffer, and the light that needs no other pixel (emissive, ambient, unlit)
-// to the light target where the plan has one (LIGHT_TARGET).
+// Writes a material's surface to the G-buffer, and the light that needs no other pixel (emissive, ambient, unlit) to the light
+// target (LIGHT_TARGET) or into the G-buffer (LIGHT_READ), where the plan has a place for it.
 #extension GL_GOOGLE_include_directive : require
 #define SUBPASS_GEOMETRY
 #include "common.glsl"
@@ -10,14 +10,14 @@
 #include "brdf.glsl"
 #include "fragment.glsl"
 
-layout(constant_id = ID_LIGHT_TARGET) const bool LIGHT_TARGET = false;
-
-layout(location = TARGET_LIGHT) out vec4 target_light;
-
 void main() {
     Fragment fragment = surface_at_fragment();
-    gbuffer_write(fragment.surface);
+    vec4 light = vec4(0.0, 0.0, 0.0, 1.0);
+    if (LIGHT_TARGET || LIGHT_READ) {
+        light.rgb = indirect_light(fragment) * (frame.exposure * frame.light_scale);
+    }
+    gbuffer_write(fragment.surface, fragment.base_color, fragment.metallic, light);
     if (LIGHT_TARGET) {
-        target_light = vec4(indirect_light(fragment) * (frame.exposure * frame.light_scale), 1.0);
+        light_write(light);
     }
 }

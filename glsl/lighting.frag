@@ -16,31 +16,46 @@ layout(constant_id = ID_ONE_LIGHT) const bool ONE_LIGHT = false;
 
 layout(location = VARYING_LIGHT) flat in uint varying_light;
 
+layout(location = TARGET_LIGHT) out vec4 target_light;
+layout(location = TARGET_SPECULAR_LIGHT) out vec4 target_specular_light;
 layout(location = TARGET_OUTPUT) out vec4 target_output;
+
+Reflected light_of(Surface surface) {
+    vec3 v = view_direction_world();
+    if (!ONE_LIGHT) {
+        return direct_light(surface, v);
+    } else if (is_lit_from(varying_light, surface, surface.position_world)) {
+        return light_reflected(varying_light, surface, reflector(surface, v), surface.position_world);
+    }
+    return Reflected(vec3(0.0), vec3(0.0));
+}
 
 void main() {
     Surface surface = gbuffer_read();
-    vec3 exposed_light = vec3(0.0);
+    Reflected light = Reflected(vec3(0.0), vec3(0.0));
     if (surface.lit) {
-        vec3 position = position_world(surface.depth);
-        vec3 v = view_direction_world();
-        vec3 light = vec3(0.0);
-        if (!ONE_LIGHT) {
-            light = direct_light(surface, position, v);
-        } else if (is_lit_from(varying_light, surface, position)) {
-            light = light_reflected(varying_light, surface, reflector(surface, v), position);
-        }
-        exposed_light = light * frame.exposure;
-        if (FOG) {
-            exposed_light = fogged(exposed_light, position);
-        }
+        light = light_of(surface);
     }
     // Pixels that are not lit add 0. `discard` would save tilers nothing, since blending stays on the tile, but it
     // makes a fragment's coverage depend on its shader, which costs Mali its early kills and PowerVR its deferral.
-    // Folded, there is no one else to write the background: the surfaces that are not lit.
-    if (FOLD) {
-        target_output = BACKGROUND && !surface.lit ? background_color() : output_color(exposed_light);
-    } else {
-        target_output = vec4(exposed_light * frame.light_scale, 0.0);
+    if (!FOLD) {
+        float scale = frame.exposure * frame.light_scale;
+        target_light = vec4((SPLIT_LIGHT ? light.diffuse / PI : complete(light, surface)) * scale, 0.0);
+        if (SPLIT_LIGHT) {
+            target_specular_light = vec4(light.specular * scale, 0.0);
+        }
+        return;
     }
+    vec3 exposed_light = complete(light, surface) * frame.exposure;
+    bool is_surface = surface.lit;
+    if (LIGHT_READ) {
+        vec4 stored = gbuffer_read_light();
+        is_surface = stored.a > 0.0;
+        exposed_light += stored.rgb / frame.light_scale;
+    }
+    if (FOG && is_surface) {
+        exposed_light = fogged(exposed_light, surface.position_world);
+    }
+    // There is no one else to write the background.
+    target_output = BACKGROUND && !is_surface ? background_color() : output_color(exposed_light);
 }

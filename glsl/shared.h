@@ -25,12 +25,21 @@
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 
-// Input attachment indices; the binding in SET_INPUTS is the same number.
+// Input attachments, by the name of what they hold. A pipeline has those that its subpass reads: when it is made, their indices
+// and bindings in SET_INPUTS become their places in the subpass.
 #define INPUT_DEPTH 0
-#define INPUT_NORMAL_ROUGHNESS 1
-#define INPUT_BASE_COLOR_METALLIC 2
-#define INPUT_LIGHT 0
-#define INPUT_FOG_DEPTH 1
+#define INPUT_POSITION 1
+#define INPUT_POSITION_Z 2
+#define INPUT_NORMAL_ROUGHNESS 3
+#define INPUT_NORMAL 4
+#define INPUT_NORMAL_XY 5
+#define INPUT_BASE_METALLIC 6
+#define INPUT_SPECULAR 7
+#define INPUT_WORDS 8
+#define INPUT_MORE_WORDS 9
+#define INPUT_LIGHT_WORD 10
+#define INPUT_LIGHT 11
+#define INPUT_SPECULAR_LIGHT 12
 
 // Vertex attribute locations.
 #define ATTRIBUTE_POSITION 0
@@ -47,12 +56,21 @@
 #define VARYING_LIGHT 4
 #define VARYING_LIGHTMAP 5
 
-// Colour output locations: of geometry, and of the subpasses with one output.
+// Colour outputs, likewise: locations become places in the subpass.
 #define TARGET_DEPTH 0
-#define TARGET_NORMAL_ROUGHNESS 1
-#define TARGET_BASE_COLOR_METALLIC 2
-#define TARGET_LIGHT 3
-#define TARGET_OUTPUT 0
+#define TARGET_POSITION 1
+#define TARGET_POSITION_Z 2
+#define TARGET_NORMAL_ROUGHNESS 3
+#define TARGET_NORMAL 4
+#define TARGET_NORMAL_XY 5
+#define TARGET_BASE_METALLIC 6
+#define TARGET_SPECULAR 7
+#define TARGET_WORDS 8
+#define TARGET_MORE_WORDS 9
+#define TARGET_LIGHT_WORD 10
+#define TARGET_LIGHT 11
+#define TARGET_SPECULAR_LIGHT 12
+#define TARGET_OUTPUT 13
 
 // Specialisation constant ids.
 #define ID_TEXTURE_COUNT 0
@@ -103,6 +121,39 @@
 #define ID_GLOBE_MAPS 55
 #define ID_LIGHTMAP 56
 #define ID_PROBES 57
+#define ID_FORM 58
+#define ID_DEPTH_TARGET 59
+#define ID_NORMALS 60
+#define ID_GAMMA 61
+#define ID_LIGHT_READ 62
+#define ID_LIGHT_ALPHA 63
+#define ID_GBUFFER 64
+
+// Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
+#define FORM_METALLIC 0
+#define FORM_SPECULAR 1
+#define FORM_THIBIEROZ128 2
+#define FORM_THIBIEROZ96 3
+#define FORM_RASA128 4
+#define FORM_DISSERTATION192 5
+#define FORM_METALLIC256 6
+#define FORM_SPECULAR256 7
+#define FORM_PACKED128 8
+
+// Values of the constant NORMALS.
+#define NORMALS_FLOAT 0
+#define NORMALS_XYZ 1
+#define NORMALS_OCTAHEDRAL_8 2
+#define NORMALS_OCTAHEDRAL_10 3
+#define NORMALS_OCTAHEDRAL_12 4
+#define NORMALS_OCTAHEDRAL_16 5
+#define NORMALS_SPHEREMAP_12 6
+#define NORMALS_VIEW_12 7
+
+// Values of the constant GAMMA.
+#define GAMMA_BY_FORMAT 0
+#define GAMMA_2_2 1
+#define GAMMA_2_0 2
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

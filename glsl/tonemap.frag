@@ -1,26 +1,32 @@
 #version 450
-// From the light target to the output. Where fog comes between, depth says how much.
+// From the light target to the output. What fog and separate diffuse light need is read from the G-buffer.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
 #include "pixel.glsl"
+#include "gbuffer.glsl"
 #include "fog.glsl"
 #include "tonemap.glsl"
 
+layout(constant_id = ID_LIGHT_ALPHA) const bool LIGHT_ALPHA = true; // else depth tells surfaces from the background
+
 layout(set = SET_INPUTS, binding = INPUT_LIGHT, input_attachment_index = INPUT_LIGHT)
     uniform subpassInput input_light;
-layout(set = SET_INPUTS, binding = INPUT_FOG_DEPTH, input_attachment_index = INPUT_FOG_DEPTH)
-    uniform subpassInput input_fog_depth;
+layout(set = SET_INPUTS, binding = INPUT_SPECULAR_LIGHT, input_attachment_index = INPUT_SPECULAR_LIGHT)
+    uniform subpassInput input_specular_light;
 
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
 void main() {
-    // Surfaces write alpha 1, and lights add 0 to it.
     vec4 light = subpassLoad(input_light);
-    bool is_background = light.a == 0.0;
+    if (SPLIT_LIGHT) {
+        light = vec4(light.rgb * gbuffer_read().diffuse, 0.0) + subpassLoad(input_specular_light);
+    }
+    // Surfaces write alpha 1, and lights add 0 to it.
+    bool is_background = (LIGHT_ALPHA ? light.a : subpassLoad(input_depth).r) == 0.0;
     vec3 exposed_light = light.rgb / frame.light_scale;
     if (FOG && !is_background) {
-        exposed_light = fogged(exposed_light, position_world(subpassLoad(input_fog_depth).r));
+        exposed_light = fogged(exposed_light, gbuffer_read().position_world);
     }
     target_output = BACKGROUND && is_background ? background_color() : output_color(exposed_light);
 }

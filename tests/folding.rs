@@ -6,7 +6,7 @@ use common::render::{Gpu, difference, on_device, on_device_with_faults};
 use common::scenes;
 use ontile::glam::DVec3;
 use ontile::picture::{Picture, Pixels, linear_from_srgb, srgb_from_linear};
-use ontile::plan::{Format, Layout, Needs, Options, OutputFormat, Plan, Tonemap};
+use ontile::plan::{Format, Layout, LightFormat, LightTarget, Needs, Options, OutputFormat, Plan, Tonemap};
 use ontile::reference::tonemap::tonemap;
 use ontile::scene::Scene;
 
@@ -92,12 +92,12 @@ fn unclipped_ev(gpu: &Gpu<'_>, scene: &Scene) -> f32 {
     };
     let brightest = light.chunks(4).flat_map(|p| &p[..3]).copied().fold(0.0, f32::max);
     assert!(brightest > 0.0, "{}: black", scene.name);
-    (HEADROOM * Layout::Metallic128.table().light.range / brightest).log2().floor()
+    (HEADROOM * LightTarget::new(LightFormat::Rgb10a2).range / brightest).log2().floor()
 }
 
 /// What is further apart than rounding the light to the light target's steps can take it.
 fn beyond_rounding(curve: Tonemap, a: &Picture, b: &Picture) -> Option<String> {
-    let step = f64::from(Layout::Metallic128.table().light.range) / LIGHT_STEPS;
+    let step = f64::from(LightTarget::new(LightFormat::Rgb10a2).range) / LIGHT_STEPS;
     let bound = steepest_slope(curve) * step + FLOAT_SLACK;
     let too_far = |a: f64, b: f64| (a - b).abs() > bound;
     // Each output is rounded by up to half a step. What a curve takes out of range is clipped: that only helps.

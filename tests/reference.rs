@@ -1,7 +1,7 @@
 //! The reference's whole path, from a scene to a picture, against analytic images.
 
 use ontile::glam::{DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh::view::look_at_mat4};
-use ontile::plan::{Layout, Tonemap};
+use ontile::plan::{GBuffer, Options, Tonemap};
 use ontile::reference::texture::linear_from_srgb;
 use ontile::reference::{Frame, Settings, Stored, View, encode, render, shade_gbuffer};
 use ontile::scene::{
@@ -290,9 +290,10 @@ fn a_gbuffer_read_back_shades_like_the_surface_it_holds() {
     let camera = camera(Vec3::Z * 4.0, Vec3::ZERO, PERSPECTIVE);
     let ideal = Settings { exposure_ev: 0.5, tonemap: Tonemap::Aces, ..settings([40, 30]) };
     let truth = render(&scene, &camera, &ideal);
+    let (gbuffer, view) = (GBuffer::exact(), View::new(&camera, ideal.size));
     let stored: Vec<Stored> =
-        truth.pixels.iter().map(|p| encode(Layout::Exact, &p.attributes, ideal.exposure())).collect();
-    let exact = Settings { layout: Some(Layout::Exact), light_target: true, ..ideal };
+        truth.pixels.iter().map(|p| encode(&gbuffer, &p.attributes, &view, ideal.exposure())).collect();
+    let exact = Settings { gbuffer: Some(gbuffer), light_target: true, ..ideal };
     let frame = shade_gbuffer(&scene, &camera, &exact, &stored);
     for (a, b) in frame.pixels.iter().zip(&truth.pixels) {
         assert_eq!(a.covered, b.covered);
@@ -313,7 +314,11 @@ fn metallic128_changes_the_picture_a_little() {
     let camera = camera(Vec3::Z * 4.0, Vec3::ZERO, PERSPECTIVE);
     let ideal = settings([40, 30]);
     let truth = render(&scene, &camera, &ideal);
-    let stored = Settings { layout: Some(Layout::Metallic128), light_target: true, ..ideal.clone() };
+    let stored = Settings {
+        gbuffer: Some(GBuffer::new(&Options::default()).unwrap()),
+        light_target: true,
+        ..ideal.clone()
+    };
     let frame = render(&scene, &camera, &stored);
     let difference = |p: usize| (frame.pixels[p].linear - truth.pixels[p].linear).abs().max_element();
     let worst = (0..truth.pixels.len()).map(difference).fold(0.0, f64::max);

@@ -11,14 +11,14 @@ mod reflect;
 mod shader_manifest;
 
 use ontile::gpu::shader::{
-    GeometryConstants, KIND_COUNT, LightingConstants, Module, OutputConstants, Specialization,
-    embedded_names, prune, shared,
+    GBufferConstants, GeometryConstants, KIND_COUNT, LightingConstants, Module, OutputConstants,
+    Specialization, embedded_names, prune, shared,
 };
 use ontile::gpu::shared::{
     ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush, MaterialData,
     ProbeData, ShadowPush, ShadowViewData,
 };
-use ontile::plan::{Layout, Tonemap};
+use ontile::plan::{GBuffer, Tonemap};
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;
 use rspirv::spirv::{Decoration, Op};
@@ -31,7 +31,7 @@ fn glsl() -> PathBuf {
 }
 
 fn reflections() -> Vec<(Module, Reflection)> {
-    Module::all().into_iter().map(|m| (m, Reflection::new(m.spirv().unwrap()))).collect()
+    Module::ALL.into_iter().map(|m| (m, Reflection::new(m.spirv().unwrap()))).collect()
 }
 
 /// `#define NAME NUMBER` lines, read without the crate's own parser.
@@ -59,16 +59,14 @@ fn manifest_problems(
             problems.push(format!("{source} changed: run ./tools/shaders"));
         }
     }
-    let expected: BTreeSet<_> = modules.iter().map(|m| m.name()).collect();
+    let expected: BTreeSet<_> = modules.iter().map(|m| m.source().to_owned()).collect();
     let compiled: BTreeSet<_> = manifest.modules.keys().cloned().collect();
     problems
         .extend(expected.symmetric_difference(&compiled).map(|name| format!("{name}: not in both lists")));
     for module in modules {
-        let name = module.name();
-        let Some(record) = manifest.modules.get(&name) else { continue };
-        if record.defines.iter().map(String::as_str).ne(module.define())
-            || record.sources[0] != module.source()
-        {
+        let name = module.source();
+        let Some(record) = manifest.modules.get(name) else { continue };
+        if record.sources[0] != module.source() {
             problems.push(format!("{name}: compiled from something else"));
         }
         if record.sources.iter().any(|source| !manifest.sources.contains_key(source)) {
@@ -91,24 +89,24 @@ fn read(path: &str) -> Option<Vec<u8>> {
 
 #[test]
 fn modules_are_fresh() {
-    assert_eq!(manifest_problems(&manifest(), &Module::all(), &read), Vec::<String>::new());
+    assert_eq!(manifest_problems(&manifest(), &Module::ALL, &read), Vec::<String>::new());
     let embedded: BTreeSet<_> = embedded_names().map(String::from).collect();
-    assert_eq!(embedded, Module::all().iter().map(|m| m.name()).collect());
-    for module in Module::all() {
-        let file = read(&format!("spirv/{}.spv", module.name())).unwrap();
+    assert_eq!(embedded, Module::ALL.iter().map(|m| m.source().to_owned()).collect());
+    for module in Module::ALL {
+        let file = read(&format!("spirv/{}.spv", module.source())).unwrap();
         let words: Vec<_> = file.chunks_exact(4).map(|w| u32::from_le_bytes(w.try_into().unwrap())).collect();
-        assert_eq!(module.spirv().unwrap(), words, "{}", module.name());
+        assert_eq!(module.spirv().unwrap(), words, "{}", module.source());
     }
     let spv_files = std::fs::read_dir(glsl().join("spirv"))
         .unwrap()
         .filter(|entry| entry.as_ref().unwrap().path().extension().is_some_and(|e| e == "spv"))
         .count();
-    assert_eq!(spv_files, Module::all().len());
+    assert_eq!(spv_files, Module::ALL.len());
 }
 
 #[test]
 fn stale_modules_are_reported() {
-    let (fresh, all) = (manifest(), Module::all());
+    let (fresh, all) = (manifest(), Module::ALL);
     let edited = |path: &str| {
         let mut bytes = read(path)?;
         if path == "brdf.glsl" || path == "spirv/tonemap.frag.spv" {
@@ -124,16 +122,16 @@ fn stale_modules_are_reported() {
     fewer.modules.pop_first();
     assert_eq!(manifest_problems(&fewer, &all, &read).len(), 1, "a module too few");
     let mut other = fresh.clone();
-    other.modules.get_mut("lighting_exact.frag").unwrap().defines = vec!["LAYOUT_METALLIC128".into()];
-    assert_eq!(manifest_problems(&other, &all, &read).len(), 1, "another define");
+    other.modules.get_mut("lighting.frag").unwrap().sources[0] = "tonemap.frag".into();
+    assert_eq!(manifest_problems(&other, &all, &read).len(), 1, "another source");
     let no_file = |path: &str| if path == "tonemap.glsl" { None } else { read(path) };
     assert_eq!(manifest_problems(&fresh, &all, &no_file).len(), 1, "a source too few");
 }
 
 #[test]
 fn names_are_unique() {
-    let all = Module::all();
-    assert_eq!(all.iter().map(|m| m.name()).collect::<BTreeSet<_>>().len(), all.len());
+    let all = Module::ALL;
+    assert_eq!(all.iter().map(|m| m.source()).collect::<BTreeSet<_>>().len(), all.len());
 }
 
 fn blocks() -> [Block; 10] {
@@ -200,7 +198,7 @@ fn shared_structs_have_the_shaders_offsets() {
     for (module, reflection) in reflections() {
         for block in &blocks {
             if let Some(problems) = reflection.block_problems(block) {
-                assert_eq!(problems, Vec::<String>::new(), "{}", module.name());
+                assert_eq!(problems, Vec::<String>::new(), "{}", module.source());
                 seen.insert(block.name);
             }
         }
@@ -210,7 +208,7 @@ fn shared_structs_have_the_shaders_offsets() {
 
 #[test]
 fn wrong_offsets_are_reported() {
-    let frag = Module::Lighting(Layout::Exact).spirv().unwrap();
+    let frag = Module::Lighting.spirv().unwrap();
     let light = &blocks()[3];
 
     // Rust's side: two members change places, one is forgotten.
@@ -248,7 +246,7 @@ fn interfaces_have_the_numbers_of_shared_h() {
     let mut used = BTreeSet::new();
     for (module, reflection) in reflections() {
         let (names, problems) = reflection.interface_problems(&numbers);
-        assert_eq!(problems, Vec::<String>::new(), "{}", module.name());
+        assert_eq!(problems, Vec::<String>::new(), "{}", module.source());
         used.extend(names);
     }
     let interface = ["SET_", "BINDING_", "INPUT_", "ATTRIBUTE_", "VARYING_", "TARGET_", "ID_"];
@@ -266,7 +264,7 @@ fn interfaces_have_the_numbers_of_shared_h() {
 fn wrong_interfaces_are_reported() {
     let numbers = shared_numbers();
     let vertex = Module::GeometryVertex;
-    let lighting = Module::Lighting(Layout::Metallic128);
+    let lighting = Module::Lighting;
     for (module, decoration) in [
         (vertex, Decoration::Location),
         (vertex, Decoration::DescriptorSet),
@@ -293,6 +291,7 @@ fn every_constant() -> Specialization {
     surface
         .and(LightingConstants::default().specialization())
         .and(output.specialization())
+        .and(GBufferConstants::new(&GBuffer::exact()).specialization())
         .and(Specialization::volume(0))
 }
 
@@ -303,7 +302,7 @@ fn builders_know_every_specialisation_constant() {
     assert_eq!(given.ids.iter().collect::<BTreeSet<_>>().len(), given.ids.len(), "an id twice");
     for (module, reflection) in reflections() {
         for (name, id) in reflection.specialisation_ids() {
-            assert!(given.ids.contains(&id), "{}: {name} is never given", module.name());
+            assert!(given.ids.contains(&id), "{}: {name} is never given", module.source());
         }
     }
 }
@@ -326,9 +325,9 @@ fn bytes(spirv: &[u32]) -> Vec<u8> {
 
 #[test]
 fn modules_are_valid() {
-    for module in Module::all() {
+    for module in Module::ALL {
         let Some(problem) = invalid(&bytes(module.spirv().unwrap())) else { return };
-        assert_eq!(problem, "", "{}", module.name());
+        assert_eq!(problem, "", "{}", module.source());
     }
     // A module that ends too early is not valid.
     let whole = read("spirv/tonemap.frag.spv").unwrap();
@@ -348,6 +347,9 @@ fn constants(reflection: &Reflection, set: u32) -> Specialization {
                     (id, if on == 1 { noise % KIND_COUNT as u32 } else { u32::MAX })
                 }
                 "TONEMAP" | "VOLUME_SHAPE" | "SHADOW_FILTER" => (id, (noise >> 1) % 4),
+                "FORM" => (id, (noise >> 1) % 9),
+                "NORMALS" => (id, (noise >> 1) % 8),
+                "GAMMA" => (id, (noise >> 1) % 3),
                 _ => (id, on),
             }
         })
@@ -364,25 +366,25 @@ fn specialised_modules_are_valid() {
             let constants = constants(&reflection, set);
             let spirv = prune("whole", module.spirv().unwrap(), &constants, None).unwrap().spirv;
             let left = Reflection::new(&spirv);
-            assert!(left.specialisation_ids().is_empty(), "{}", module.name());
+            assert!(left.specialisation_ids().is_empty(), "{}", module.source());
             if let Some(problem) = invalid(&bytes(&spirv)) {
-                assert_eq!(problem, "", "{} with {constants:?}", module.name());
+                assert_eq!(problem, "", "{} with {constants:?}", module.source());
             }
             // What is left has nothing more to lose.
             assert_eq!(
                 prune("left", &spirv, &constants, None).unwrap().spirv,
                 spirv,
                 "{} with {constants:?}",
-                module.name()
+                module.source()
             );
             spirv.len()
         });
         let (least, most) =
             sizes.fold((usize::MAX, 0), |(least, most), size| (least.min(size), most.max(size)));
         let whole = module.spirv().unwrap().len();
-        assert!(most <= whole, "{}: {whole} words, and then {most}", module.name());
+        assert!(most <= whole, "{}: {whole} words, and then {most}", module.source());
         let has_switches = !reflection.specialisation_ids().is_empty();
-        assert!(!has_switches || least < most, "{}: {least} words whatever is switched off", module.name());
+        assert!(!has_switches || least < most, "{}: {least} words whatever is switched off", module.source());
     }
 }
 
@@ -394,13 +396,17 @@ fn repeated_positions_are_invariant() {
         let whole = Reflection::new(module.spirv().unwrap());
         for set in 0..SETS {
             let pruned = prune("whole", module.spirv().unwrap(), &constants(&whole, set), None).unwrap();
-            assert!(Reflection::new(&pruned.spirv).has_invariant_position(), "{}, set {set}", module.name());
+            assert!(
+                Reflection::new(&pruned.spirv).has_invariant_position(),
+                "{}, set {set}",
+                module.source()
+            );
         }
         let mut varying = whole;
         varying
             .module
             .annotations
             .retain(|i| !i.operands.contains(&Operand::Decoration(Decoration::Invariant)));
-        assert!(!varying.has_invariant_position(), "{}: not seen", module.name());
+        assert!(!varying.has_invariant_position(), "{}: not seen", module.source());
     }
 }

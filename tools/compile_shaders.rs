@@ -1,4 +1,4 @@
-//! Compiles every module of [`Module::all`] from `glsl/` into `glsl/spirv/`.
+//! Compiles every module of [`Module::ALL`] from `glsl/` into `glsl/spirv/`.
 //!
 //! `compile_shaders` writes; `compile_shaders --check` compiles to memory and compares byte for byte.
 
@@ -40,15 +40,14 @@ fn compile_all(glsl: &Path) -> Result<Files, Box<dyn Error>> {
     let compiler = shaderc::Compiler::new()?;
     let mut files = Files::new();
     let mut manifest = Manifest { sources: BTreeMap::new(), modules: BTreeMap::new() };
-    for module in Module::all() {
+    for module in Module::ALL {
         let (spirv, sources) = compile(&compiler, glsl, module)?;
         for source in &sources {
             manifest.sources.insert(source.clone(), sha256(&std::fs::read(glsl.join(source))?));
         }
-        let defines = module.define().into_iter().map(String::from).collect();
-        let record = ModuleRecord { defines, sources, spirv_sha256: sha256(&spirv) };
-        manifest.modules.insert(module.name(), record);
-        files.insert(format!("{}.spv", module.name()), spirv);
+        let record = ModuleRecord { sources, spirv_sha256: sha256(&spirv) };
+        manifest.modules.insert(module.source().to_owned(), record);
+        files.insert(format!("{}.spv", module.source()), spirv);
     }
     let names: String = manifest.modules.keys().map(|name| format!("    \"{name}\",\n")).collect();
     files.insert("modules.rs".into(), format!("// Written by tools/shaders.\nembed![\n{names}]\n").into());
@@ -67,6 +66,8 @@ fn compile(
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_1 as u32);
     options.set_optimization_level(shaderc::OptimizationLevel::Performance);
     options.set_warnings_as_errors();
+    // Targets are numbered by what they hold; the places that a pipeline gives them are within every device's limit.
+    options.set_limit(shaderc::Limit::MaxDrawBuffers, 32);
     // Keeps names, by which tests match members; `without_source` removes the rest of what this adds.
     options.set_generate_debug_info();
     options.set_include_callback(|name, _, from, _| {
@@ -75,9 +76,6 @@ fn compile(
         included.borrow_mut().insert(name.to_owned());
         Ok(shaderc::ResolvedInclude { resolved_name: name.to_owned(), content })
     });
-    if let Some(define) = module.define() {
-        options.add_macro_definition(define, None);
-    }
     let kind = match module.stage() {
         Stage::Vertex => shaderc::ShaderKind::Vertex,
         Stage::Fragment => shaderc::ShaderKind::Fragment,
@@ -85,7 +83,7 @@ fn compile(
     let text = std::fs::read_to_string(glsl.join(module.source()))?;
     let artifact = compiler
         .compile_into_spirv(&text, kind, module.source(), "main", Some(&options))
-        .map_err(|error| format!("{}: {error}", module.name()))?;
+        .map_err(|error| format!("{}: {error}", module.source()))?;
     let spirv = without_source(artifact.as_binary()).iter().flat_map(|word| word.to_le_bytes()).collect();
     drop(options);
     let sources = std::iter::once(module.source().to_owned()).chain(included.into_inner()).collect();

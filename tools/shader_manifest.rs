@@ -16,8 +16,6 @@ pub struct Manifest {
 /// One module's origin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModuleRecord {
-    /// The macros that were defined.
-    pub defines: Vec<String>,
     /// The entry point's file first, then every file that it includes, directly or not, in order of name.
     pub sources: Vec<String>,
     /// SHA-256 of the SPIR-V file.

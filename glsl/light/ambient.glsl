@@ -14,8 +14,7 @@ vec2 specular_albedo(float n_dot_v, float roughness) {
 // the roughness. Exact where light is the same from everywhere, else Karis' split sum ("Real Shading in Unreal Engine 4",
 // 2013). Occlusion, as glTF 2.0 section 3.9.3 has it, dims this light only.
 vec3 light_around(Surface surface, float n_dot_v, vec3 diffuse_nt, vec3 specular_nt, float occlusion) {
-    vec3 f0 = mix(vec3(DIELECTRIC_F0), surface.base_color, surface.metallic);
     vec2 albedo = specular_albedo(n_dot_v, surface.roughness);
     vec3 diffuse = diffuse_nt * diffuse_albedo(surface, n_dot_v);
-    return occlusion * (diffuse + specular_nt * (f0 * albedo.x + albedo.y));
+    return occlusion * (diffuse + specular_nt * (surface.f0 * albedo.x + albedo.y));
 }

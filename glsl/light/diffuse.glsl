@@ -8,6 +8,5 @@ float transmission(float n_dot_v) {
 
 // Times irradiance over pi: cd/m^2 towards the viewer.
 vec3 diffuse_albedo(Surface surface, float n_dot_v) {
-    float base = (1.0 - surface.metallic) * (1.0 - DIELECTRIC_F0) * transmission(n_dot_v);
-    return surface.base_color * base;
+    return surface.diffuse * ((1.0 - DIELECTRIC_F0) * transmission(n_dot_v));
 }

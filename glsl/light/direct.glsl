@@ -16,14 +16,8 @@ layout(constant_id = ID_CLUSTERS) const bool CLUSTERS = false; // lights with a 
 layout(constant_id = ID_GLOBE_MAPS) const bool GLOBE_MAPS = false;
 layout(constant_id = ID_SHADOWS) const bool SHADOWS = false;
 
-// What a surface sends of diffuse light with this irradiance in lux, in cd/m^2.
-vec3 reflected_diffuse(Surface surface, vec3 irradiance) {
-    return surface.base_color * ((1.0 - surface.metallic) / PI) * irradiance;
-}
-
-// What a surface at `position` reflects of one light, world space: cd/m^2. The light's kind follows from its place in the
-// list.
-vec3 light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
+// What a surface at `position` reflects of one light, world space. The light's kind follows from its place in the list.
+Reflected light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
     uint point_begin = frame.light_counts.x;
     uint spot_begin = point_begin + frame.light_counts.y;
     uint box_begin = spot_begin + frame.light_counts.z;
@@ -50,12 +44,14 @@ vec3 light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
         incident.illuminance *= shadow(
             lights[i].shadow, lights[i].place.xyz, position, surface.normal_world, incident.direction);
     }
-    vec3 bsdf = brdf(r, incident.direction, clamp(n_dot_l, 0.0, 1.0));
-    vec3 sum = bsdf * (incident.illuminance * max(n_dot_l, 0.0));
+    Reflected light = brdf(r, incident.direction, clamp(n_dot_l, 0.0, 1.0));
+    vec3 irradiance = incident.illuminance * max(n_dot_l, 0.0);
+    light.diffuse *= irradiance;
+    light.specular *= irradiance;
     if (HAS_BACK) {
-        sum += reflected_diffuse(surface, incident.back * max(-n_dot_l, 0.0));
+        light.diffuse += incident.back * max(-n_dot_l, 0.0);
     }
-    return sum;
+    return light;
 }
 
 // Whether a light with a place can add anything but 0: the surface is in its reach and does not face away from it.
@@ -70,36 +66,40 @@ bool is_lit_from(uint i, Surface surface, vec3 position) {
     return in_range && dot(surface.normal_world, to_light) > 0.0;
 }
 
-// What a surface at `position` reflects of the lights listed for its cell.
-vec3 listed_light(Surface surface, Reflector r, vec3 position) {
-    vec3 sum = vec3(0.0);
+void add(inout Reflected sum, Reflected light) {
+    sum.diffuse += light.diffuse;
+    sum.specular += light.specular;
+}
+
+// Adds what a surface at `position` reflects of the lights listed for its cell.
+void add_listed_light(inout Reflected sum, Surface surface, Reflector r, vec3 position) {
     uvec2 list = cluster_list(position);
     for (uint next = list.x; next < list.y; ++next) {
         uint i = clusters.words[next];
         // Neighbours nearly always agree, so that looking for one's own next light would save nothing.
         if (is_lit_from(i, surface, position)) {
-            sum += light_reflected(i, surface, r, position);
+            add(sum, light_reflected(i, surface, r, position));
         }
     }
-    return sum;
 }
 
-// What a surface reflects of the lights that the list does not have, since they come from everywhere at once: cd/m^2.
-vec3 unlisted_light(Surface surface) {
-    return HAS_HEMISPHERE ? reflected_diffuse(surface, light_hemispheres(surface.normal_world)) : vec3(0.0);
+// What a surface reflects of the lights that the list does not have, since they come from everywhere at once.
+Reflected unlisted_light(Surface surface) {
+    return Reflected(HAS_HEMISPHERE ? light_hemispheres(surface.normal_world) : vec3(0.0), vec3(0.0));
 }
 
-// What a surface at `position` reflects of all lights towards `v`, both world space: cd/m^2.
-vec3 direct_light(Surface surface, vec3 position, vec3 v) {
+// What a surface reflects of all lights towards `v`, in world space.
+Reflected direct_light(Surface surface, vec3 v) {
     Reflector r = reflector(surface, v);
-    vec3 sum = unlisted_light(surface);
+    vec3 position = surface.position_world;
+    Reflected sum = unlisted_light(surface);
     uvec4 counts = frame.light_counts * uvec4(HAS_DIRECTIONAL, HAS_POINT, HAS_SPOT, HAS_BOX);
     uint everywhere = CLUSTERS ? counts.x : counts.x + counts.y + counts.z + counts.w;
     for (uint i = 0u; i < everywhere; ++i) {
-        sum += light_reflected(i, surface, r, position);
+        add(sum, light_reflected(i, surface, r, position));
     }
     if (CLUSTERS) {
-        sum += listed_light(surface, r, position);
+        add_listed_light(sum, surface, r, position);
     }
     return sum;
 }

@@ -10,8 +10,8 @@ use ontile::environment::TexelFormat;
 use ontile::glam::Vec3;
 use ontile::picture::FileFormat;
 use ontile::plan::{
-    Layout, LightWay, Options, OutputFormat, Path, ShadowFilter, ShadowFormat, ShadowOptions, Strategy,
-    Tonemap,
+    DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, Path, ShadowFilter,
+    ShadowFormat, ShadowOptions, Strategy, Tonemap,
 };
 use ontile::scene::{Background, FogHeight, Scene};
 
@@ -87,6 +87,19 @@ pub struct PlanArgs {
     /// The G-buffer's layout
     #[arg(long, value_name = "NAME", default_value_t = Layout::Metallic128, value_parser = named(Layout::ALL, Layout::name))]
     pub layout: Layout,
+    /// How normals are stored, where the layout leaves the choice [default: the layout's way]
+    #[arg(long, value_name = "NAME", value_parser = named(Normals::ALL, Normals::name))]
+    pub normals: Option<Normals>,
+    /// How colours are stored: encoded as sRGB, by a power of 2.2 or 2.0, or not at all [default: the layout's way]
+    #[arg(long, value_name = "NAME", value_parser = named(Gamma::ALL, Gamma::name))]
+    pub gamma: Option<Gamma>,
+    /// What light is summed in before the tone curve [default: the layout's format]
+    #[arg(long, value_name = "NAME", value_parser = named(LightFormat::ALL, LightFormat::name))]
+    pub light_target: Option<LightFormat>,
+    /// Where lighting reads depth: from a colour target of floats, or from a depth attachment of so many bits [default: the
+    /// layout's way]
+    #[arg(long, value_name = "NAME", value_parser = named(DepthStore::ALL, DepthStore::name))]
+    pub depth: Option<DepthStore>,
     /// When surfaces are lit: after all are known, or as each is drawn; forward-multipass adds up the light of surfaces that
     /// coincide
     #[arg(long, default_value_t = Path::Deferred, value_parser = named(Path::ALL, Path::name))]
@@ -151,6 +164,10 @@ impl PlanArgs {
             size: self.size.0,
             strategy: self.strategy,
             layout: self.layout,
+            normals: self.normals,
+            gamma: self.gamma,
+            light_target: self.light_target,
+            depth: self.depth,
             path: self.path,
             depth_prepass: self.depth_prepass,
             illumination_sets: !self.no_illumination_sets,

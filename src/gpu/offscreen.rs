@@ -101,12 +101,13 @@ impl Offscreen {
         Picture { width, height, pixels }
     }
 
-    /// What an attachment held when the last frame ended, four floats a pixel (absent channels 0), colours linear.
+    /// What an attachment held when the last frame ended, four numbers a pixel (absent channels 0): colours linear, words as they
+    /// are.
     /// Only attachments that the plan stores can be read: `Options::keep_gbuffer`.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if there is no such attachment or it is not stored.
-    pub fn attachment(&self, name: &str) -> Result<Vec<f32>> {
+    pub fn attachment(&self, name: &str) -> Result<Vec<f64>> {
         let plan = self.renderer.plan();
         let index =
             plan.attachments.iter().position(|a| a.name == name && a.usage.copy_source && !a.is_output);
@@ -123,7 +124,17 @@ impl Offscreen {
         Commands::run(self.renderer.device(), "read attachment", |recorder| {
             readback.record(recorder, image, 0, layout, layout)
         })?;
-        Ok(decode(plan.attachments[index].format, readback.texels()))
+        let (format, texels) = (plan.attachments[index].format, readback.texels());
+        if format.is_uint() {
+            let channels = format.bytes() as usize / 4;
+            let word = |t: &[u8]| f64::from(u32::from_le_bytes([t[0], t[1], t[2], t[3]]));
+            let texel = |t: &[u8]| {
+                let words = t.chunks_exact(4).map(word).chain(std::iter::repeat(0.0));
+                words.take(4).collect::<Vec<_>>()
+            };
+            return Ok(texels.chunks_exact(4 * channels).flat_map(texel).collect());
+        }
+        Ok(decode(format, texels).into_iter().map(f64::from).collect())
     }
 
     /// The depths of the shadow map, row by row from the top: reversed, 0 where nothing is.
@@ -240,8 +251,35 @@ fn decode(format: Format, texels: &[u8]) -> Vec<f32> {
             .chunks_exact(2)
             .flat_map(|t| [f32::from(u16::from_le_bytes([t[0], t[1]])) / 65535.0, 0.0, 0.0, 0.0])
             .collect(),
-        // Not read back: nothing keeps it.
-        Format::D32FloatS8 | Format::D24UnormS8 => Vec::new(),
+        Format::D24Unorm => {
+            bytes4.flat_map(|t| [(word(t) & 0xff_ffff) as f32 / 16_777_215.0, 0.0, 0.0, 0.0]).collect()
+        }
+        Format::B10g11r11Float => bytes4
+            .map(word)
+            .flat_map(|w| {
+                let half = |bits: u32| half_to_f32(bits as u16);
+                [half((w & 0x7ff) << 4), half((w >> 11 & 0x7ff) << 4), half((w >> 22) << 5), 1.0]
+            })
+            .collect(),
+        Format::R16Float | Format::Rg16Float => {
+            let channels = format.bytes() as usize / 2;
+            let half = |t: &[u8]| half_to_f32(u16::from_le_bytes([t[0], t[1]]));
+            let texel = |t: &[u8]| {
+                let halves = t.chunks_exact(2).map(half).chain(std::iter::repeat(0.0));
+                halves.take(4).collect::<Vec<_>>()
+            };
+            texels.chunks_exact(2 * channels).flat_map(texel).collect()
+        }
+        Format::Rg8Unorm => {
+            texels.chunks_exact(2).flat_map(|t| [unorm8(t[0]), unorm8(t[1]), 0.0, 0.0]).collect()
+        }
+        Format::Rgba16Unorm => {
+            texels.chunks_exact(2).map(|t| f32::from(u16::from_le_bytes([t[0], t[1]])) / 65535.0).collect()
+        }
+        // Words are not numbers, and nothing keeps a combined format.
+        Format::R32Uint | Format::Rg32Uint | Format::Rgba32Uint | Format::D32FloatS8 | Format::D24UnormS8 => {
+            Vec::new()
+        }
         Format::Rgba16Float => {
             texels.chunks_exact(2).map(|t| half_to_f32(u16::from_le_bytes([t[0], t[1]]))).collect()
         }

@@ -4,7 +4,7 @@ use ash::vk;
 
 use super::{Device, Owned, conv};
 use crate::Result;
-use crate::plan::{Dependency, Pass, Plan, Subpass};
+use crate::plan::{Dependency, Pass, Plan, State, Subpass};
 
 /// Creates what the plan says, nothing more.
 ///
@@ -48,14 +48,13 @@ struct References {
 
 impl References {
     fn new(subpass: &Subpass) -> Self {
-        let reference = |&i: &usize, layout| vk::AttachmentReference { attachment: i as u32, layout };
-        let color = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
-        let input = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
-        let depth = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        let reference =
+            |&i: &usize, state| vk::AttachmentReference { attachment: i as u32, layout: conv::layout(state) };
+        let inputs = subpass.inputs.iter().zip(&subpass.input_states);
         Self {
-            colors: subpass.colors.iter().map(|i| reference(i, color)).collect(),
-            inputs: subpass.inputs.iter().map(|i| reference(i, input)).collect(),
-            depth: subpass.depth.as_ref().map(|i| reference(i, depth)),
+            colors: subpass.colors.iter().map(|i| reference(i, State::Color)).collect(),
+            inputs: inputs.map(|(i, &state)| reference(i, state)).collect(),
+            depth: subpass.depth.as_ref().zip(subpass.depth_state).map(|(i, state)| reference(i, state)),
             preserve: subpass.preserve.iter().map(|&i| i as u32).collect(),
         }
     }

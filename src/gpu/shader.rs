@@ -1,22 +1,23 @@
 //! Shader modules: which exist, what they are compiled from, and their SPIR-V.
 //!
-//! [`Module::all`] is the one list. `tools/shaders` compiles it into `glsl/spirv/`, this module embeds the result,
+//! [`Module::ALL`] is the one list. `tools/shaders` compiles it into `glsl/spirv/`, this module embeds the result,
 //! and a test compares the two.
 
 mod numbers;
+mod places;
 mod prune;
 mod specialization;
 
 pub use numbers::shared;
+pub use places::AttachmentPlaces;
 pub use prune::{Pruned, prune};
 pub use specialization::{
-    GeometryConstants, LightLoop, LightingConstants, LightmapConstants, OutputConstants, SkyConstants,
-    Specialization, TextureSlot,
+    GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants, OutputConstants,
+    SkyConstants, Specialization, TextureSlot,
 };
 
 use std::collections::BTreeSet;
 
-use crate::plan::Layout;
 use crate::{Error, Result};
 
 /// How many kinds of texture a material can have; their order is that of `KIND_*` in `glsl/shared.h`.
@@ -31,14 +32,14 @@ pub enum Stage {
     Fragment,
 }
 
-/// A shader module: a source, and the G-buffer layout that it is compiled for where it has one. All else that sets pipelines
-/// apart are specialisation constants; a layout is more than a constant can say: it declares its own targets and inputs.
+/// A shader module: one source each. All that sets pipelines apart are specialisation constants, G-buffer layouts included: what
+/// a constant leaves without use, targets and inputs too, is removed ([`prune`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Module {
     /// Places a mesh.
     GeometryVertex,
     /// Writes the G-buffer.
-    GeometryFragment(Layout),
+    GeometryFragment,
     /// Writes the output directly, where nothing is lit.
     Unlit,
     /// Lights a surface as it is drawn and writes the output.
@@ -50,11 +51,11 @@ pub enum Module {
     /// Keeps nothing of a surface but what its alpha mask leaves.
     Mask,
     /// Shades the G-buffer by punctual lights.
-    Lighting(Layout),
+    Lighting,
     /// Turns the light target into the output.
     Tonemap,
     /// Draws the environment where no surface is, and says "not lit" in the G-buffer where there is one.
-    Sky(Option<Layout>),
+    Sky,
     /// One triangle over the whole image.
     Fullscreen,
     /// A mesh around what a light reaches.
@@ -67,49 +68,40 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub fn all() -> Vec<Self> {
-        let mut all = vec![Self::GeometryVertex, Self::ShadowVertex, Self::LightVolume, Self::Fullscreen];
-        all.extend([Self::Unlit, Self::Forward, Self::Base, Self::Light, Self::Mask, Self::Sky(None)]);
-        for &layout in Layout::ALL {
-            all.extend([Self::GeometryFragment(layout), Self::Sky(Some(layout)), Self::Lighting(layout)]);
-        }
-        all.extend([Self::Tonemap, Self::ShadowCompose]);
-        all
-    }
+    pub const ALL: [Self; 14] = [
+        Self::GeometryVertex,
+        Self::ShadowVertex,
+        Self::LightVolume,
+        Self::Fullscreen,
+        Self::Unlit,
+        Self::Forward,
+        Self::Base,
+        Self::Light,
+        Self::Mask,
+        Self::Sky,
+        Self::GeometryFragment,
+        Self::Lighting,
+        Self::Tonemap,
+        Self::ShadowCompose,
+    ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
     pub fn source(self) -> &'static str {
         match self {
             Self::GeometryVertex => "geometry.vert",
-            Self::GeometryFragment(_) => "geometry.frag",
+            Self::GeometryFragment => "geometry.frag",
             Self::Unlit => "unlit.frag",
             Self::Forward => "forward.frag",
             Self::Base => "base.frag",
             Self::Light => "light.frag",
             Self::Mask => "mask.frag",
-            Self::Lighting(_) => "lighting.frag",
+            Self::Lighting => "lighting.frag",
             Self::Tonemap => "tonemap.frag",
-            Self::Sky(_) => "sky.frag",
+            Self::Sky => "sky.frag",
             Self::Fullscreen => "fullscreen.vert",
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
-        }
-    }
-
-    fn layout(self) -> Option<Layout> {
-        match self {
-            Self::GeometryFragment(layout) | Self::Lighting(layout) => Some(layout),
-            Self::Sky(layout) => layout,
-            _ => None,
-        }
-    }
-
-    /// A name that no other module has: that of its SPIR-V file, without `.spv`.
-    pub fn name(self) -> String {
-        match (self.layout(), self.source().split_once('.')) {
-            (Some(layout), Some((stem, stage))) => format!("{stem}_{layout}.{stage}"),
-            _ => self.source().into(),
         }
     }
 
@@ -118,20 +110,12 @@ impl Module {
         if self.source().ends_with(".vert") { Stage::Vertex } else { Stage::Fragment }
     }
 
-    /// The macro that is defined when it is compiled.
-    pub fn define(self) -> Option<&'static str> {
-        self.layout().map(|layout| match layout {
-            Layout::Metallic128 => "LAYOUT_METALLIC128",
-            Layout::Exact => "LAYOUT_EXACT",
-        })
-    }
-
     /// The compiled module; its entry point is `main`.
     ///
     /// # Errors
     /// [`Error::Unsupported`] for a module that was not compiled.
     pub fn spirv(self) -> Result<&'static [u32]> {
-        let name = self.name();
+        let name = self.source();
         let (_, module) = EMBEDDED.iter().find(|(embedded, _)| *embedded == name).ok_or_else(|| {
             Error::unsupported(format!("there is no shader module '{name}'"), "run ./tools/shaders")
         })?;
@@ -155,11 +139,19 @@ impl Shaders {
     /// The shaders of a pipeline that consists of these modules.
     ///
     /// # Errors
-    /// As of [`Module::spirv`] and [`prune`].
-    pub fn new(vertex: Module, fragment: Option<Module>, constants: &Specialization) -> Result<Self> {
-        let left = |module: Module, read| prune(&module.name(), module.spirv()?, constants, read);
-        let fragment = fragment.map(|module| left(module, None)).transpose()?;
-        let (fragment, read) = fragment.map(|left| (left.spirv, left.inputs)).unzip();
+    /// As of [`Module::spirv`], [`prune`] and [`AttachmentPlaces::apply`].
+    pub fn new(
+        vertex: Module,
+        fragment: Option<Module>,
+        constants: &Specialization,
+        attachments: &AttachmentPlaces,
+    ) -> Result<Self> {
+        let left = |module: Module, read| prune(module.source(), module.spirv()?, constants, read);
+        let fragment = fragment.map(|module| {
+            let left = left(module, None)?;
+            Ok((attachments.apply(module.source(), left.spirv)?, left.inputs))
+        });
+        let (fragment, read) = fragment.transpose()?.unzip();
         let vertex = left(vertex, Some(&read.unwrap_or_default()))?;
         Ok(Self { vertex: vertex.spirv, fragment, attributes: vertex.inputs })
     }

@@ -7,7 +7,7 @@ use ash::vk;
 use super::descriptor::{Content, DescriptorSets};
 use super::pipeline::Pipelines;
 use super::{Device, Image, ImageDesc, Owned, conv};
-use crate::plan::{Load, PassAttachment, Pipeline, Plan, check_size};
+use crate::plan::{Format, Load, PassAttachment, Pipeline, Plan, check_size};
 use crate::{Error, Result};
 
 /// A host's image that frames are drawn to: of the target's size, one sample, one level, of the format
@@ -160,7 +160,7 @@ impl OutputBuilder<'_> {
                 let attachment = self.plan.passes[pass].attachments[input].attachment;
                 let image = vk::DescriptorImageInfo::default()
                     .image_view(view(attachment))
-                    .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+                    .image_layout(conv::layout(subpass.input_states[binding]));
                 let ty = vk::DescriptorType::INPUT_ATTACHMENT;
                 sets.write(set, binding as u32, ty, &Content::Images(vec![image]));
             }
@@ -206,9 +206,20 @@ pub(super) fn check_formats(device: &Device, plan: &Plan) -> Result<()> {
                     a.format,
                     device.caps().name
                 ),
-                "choose another --layout or output format",
+                instead_of(a.format),
             ));
         }
     }
     Ok(())
+}
+
+/// What to choose where a device lacks a format.
+fn instead_of(format: Format) -> &'static str {
+    match format {
+        Format::Rgba16Unorm => "use --normals oct12",
+        Format::B10g11r11Float => "use --light-target rgba16f",
+        Format::D24Unorm => "use --depth d32",
+        Format::Rgba32Uint => "use --layout packed128",
+        _ => "choose another --layout or output format",
+    }
 }

@@ -24,6 +24,7 @@ mod race;
 #[cfg(feature = "cli")]
 pub mod stability;
 mod stats;
+mod stored;
 pub mod tiler;
 #[cfg(feature = "cli")]
 pub mod turnip;
@@ -41,3 +42,4 @@ pub use probe::{Content, Predicted, Probe};
 #[cfg(feature = "cli")]
 pub use race::{Clock, Effort, Racer, race, rounded_ms};
 pub use stats::Summary;
+pub use stored::stored;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::flip::{PIXELS_PER_DEGREE, flip};
 use super::metrics::{ErrorStats, percentile, psnr_db};
 use super::{ciede2000, lab_from_linear};
-use crate::plan::{Options, Plan};
+use crate::plan::{GBuffer, LightPlace, Options, Plan};
 use crate::reference::around::Method;
 use crate::reference::texture::{linear_from_srgb, srgb_from_linear};
 use crate::reference::{Frame, Pixel, Settings, Tracer, View, Window, encode, shade_gbuffer};
@@ -126,18 +126,19 @@ impl<'a> Probe<'a> {
     /// The error of the picture that a plan of the same scene and options gives.
     pub fn error(&self, plan: &Plan) -> Predicted {
         let settings = Settings {
-            layout: Some(plan.options.layout),
+            gbuffer: Some(stored_gbuffer(plan)),
             light_target: plan.has_light_target(),
             light_scale: f64::from(plan.light_scale()),
             ..settings(&self.options, self.exposure_ev)
         };
-        let gbuffer = plan.options.layout;
+        let gbuffer = settings.gbuffer.as_ref().expect("it was just set");
         let factor = settings.exposure() * settings.light_scale;
         let (mut flips, mut codes, mut ciede) = (ErrorStats::default(), ErrorStats::default(), Vec::new());
         for (window, exact) in &self.windows {
             let settings = within(&settings, *window);
+            let view = settings.view(self.camera);
             let stored: Vec<_> =
-                exact.pixels.iter().map(|p| encode(gbuffer, &p.attributes, factor)).collect();
+                exact.pixels.iter().map(|p| encode(gbuffer, &p.attributes, &view, factor)).collect();
             let found = shade_gbuffer(&self.scene, self.camera, &settings, &stored);
             let shown = [exact, &found].map(|frame| {
                 let pixels = exact.pixels.iter().zip(&frame.pixels);
@@ -165,6 +166,15 @@ impl<'a> Probe<'a> {
             ciede2000_p95: percentile(&mut ciede, 0.95).unwrap_or(0.0).hypot(ROUNDING.ciede2000_p95),
         }
     }
+}
+
+/// The plan's G-buffer with the light target that its way of lights has.
+fn stored_gbuffer(plan: &Plan) -> GBuffer {
+    let mut gbuffer = plan.gbuffer.clone();
+    if let (LightPlace::Added { sum, .. }, Some(target)) = (&mut gbuffer.light, plan.light_target()) {
+        *sum = target;
+    }
+    gbuffer
 }
 
 /// Whether a surface is there, and is the GPU's too.

@@ -31,8 +31,12 @@ pub enum Access {
 pub type Scope = BTreeSet<Access>;
 
 impl Access {
-    /// The accesses that a use makes.
-    pub fn of(how: Use) -> Scope {
+    /// The accesses that uses in one stage make.
+    pub fn of(uses: &[Use]) -> Scope {
+        uses.iter().flat_map(|how| Self::of_one(*how)).collect()
+    }
+
+    fn of_one(how: Use) -> Scope {
         match how {
             Use::Write => [Self::ColorWrite].into(),
             Use::Blend => [Self::ColorRead, Self::ColorWrite].into(),
@@ -79,6 +83,10 @@ pub enum State {
     Depth,
     /// Input attachment.
     Input,
+    /// Depth as an input attachment, and tested if need be, but not written.
+    DepthInput,
+    /// The same while the stencil beside it is written.
+    DepthInputStencil,
     /// Source of copies.
     CopySource,
     /// Sampled.
@@ -88,12 +96,15 @@ pub enum State {
 }
 
 impl State {
-    /// The state that a use wants.
-    pub const fn of(how: Use) -> Self {
-        match how {
-            Use::Write | Use::Blend => Self::Color,
-            Use::Depth | Use::DepthTest | Use::Stencil => Self::Depth,
-            Use::Read => Self::Input,
+    /// The state that the uses in one stage want of a colour or depth attachment.
+    pub fn of(uses: &[Use], depth: bool) -> Self {
+        let read = uses.contains(&Use::Read);
+        match (depth, read) {
+            (true, true) if uses.contains(&Use::Stencil) => Self::DepthInputStencil,
+            (true, true) => Self::DepthInput,
+            (true, false) => Self::Depth,
+            (false, true) => Self::Input,
+            (false, false) => Self::Color,
         }
     }
 

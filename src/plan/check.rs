@@ -1,7 +1,8 @@
 //! What no plan can be made of.
 
+use super::layout::{GBuffer, LightPlace};
 use super::shadow::{LEAST_TEXELS, MOST_TEXELS};
-use super::{Limits, Options, Pass};
+use super::{LightWay, Limits, Needs, Options, Pass};
 
 /// # Errors
 /// [`crate::Error::Unsupported`] if no image can have this size in pixels.
@@ -60,6 +61,44 @@ pub(super) fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) 
                 ));
             }
         }
+    }
+    Ok(())
+}
+
+/// Whether the layout has a place for the light of this frame.
+pub(super) fn check_light(
+    gbuffer: &GBuffer,
+    needs: &Needs,
+    options: &Options,
+    way: LightWay,
+) -> crate::Result<()> {
+    let layout = gbuffer.layout;
+    let refused = |problem: String, remedy: &str| Err(crate::Error::unsupported(problem, remedy.to_owned()));
+    let LightPlace::Added { .. } = gbuffer.light else {
+        if way.is_one_by_one() {
+            let problem =
+                format!("layout {layout} has no light target to which '{way}' could add light by light");
+            return refused(problem, "use --lights clusters or fullscreen, or --layout ontile128");
+        }
+        if !options.fold {
+            let problem = format!("layout {layout} has no light target between lighting and tonemap");
+            return refused(problem, "leave --no-fold out, or use --layout ontile128");
+        }
+        return match (gbuffer.light, needs.prelit.first()) {
+            (LightPlace::Nowhere, Some(why)) => {
+                let problem =
+                    format!("layout {layout} has no place for light that exists before lighting: {why}");
+                refused(problem, "use --layout ontile96 or packed128")
+            }
+            _ => Ok(()),
+        };
+    };
+    let has_alpha = gbuffer.added_light(way.is_one_by_one()).is_none_or(|(light, _)| light.has_alpha());
+    if !has_alpha && !gbuffer.form.has_depth() && (needs.fog.is_some() || needs.background.is_some()) {
+        let problem = format!(
+            "layout {layout} with light in b10g11r11 cannot tell surfaces from the background, which fog and background colour need"
+        );
+        return refused(problem, "use --light-target rgba16f");
     }
     Ok(())
 }

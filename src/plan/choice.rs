@@ -2,45 +2,102 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Layout, Options};
+use super::{DepthStore, GBuffer, Gamma, Layout, LightFormat, Normals, Options};
 
 /// The part of [`Options`] that says how surfaces and light are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Choice {
     /// The layout.
     pub layout: Layout,
+    /// How normals are encoded, if not the layout's way.
+    pub normals: Option<Normals>,
+    /// How colours are encoded, likewise.
+    pub gamma: Option<Gamma>,
+    /// What light is summed in, likewise.
+    pub light_target: Option<LightFormat>,
+    /// Where depth is read, likewise.
+    pub depth: Option<DepthStore>,
 }
 
 impl Choice {
     /// A layout as it is.
     pub const fn of(layout: Layout) -> Self {
-        Self { layout }
+        Self { layout, normals: None, gamma: None, light_target: None, depth: None }
     }
 
     /// What these options choose.
     pub fn in_options(options: &Options) -> Self {
-        Self { layout: options.layout }
+        let Options { layout, normals, gamma, light_target, depth, .. } = *options;
+        Self { layout, normals, gamma, light_target, depth }
     }
 
     /// The options with this choice in place of their own.
     pub fn apply(self, options: &Options) -> Options {
-        Options { layout: self.layout, ..options.clone() }
+        let Self { layout, normals, gamma, light_target, depth } = self;
+        Options { layout, normals, gamma, light_target, depth, ..options.clone() }
     }
 
     /// Every layout as it is, then each single other choice over `base`.
     pub fn one_by_one(base: Self) -> Vec<Self> {
-        let _ = base;
-        Layout::ALL.iter().map(|&layout| Self::of(layout)).collect()
+        let plain = Layout::ALL.iter().map(|&layout| Self::of(layout));
+        let normals = Normals::ALL.iter().map(|&n| Self { normals: Some(n), ..base });
+        let gamma = Gamma::ALL.iter().map(|&g| Self { gamma: Some(g), ..base });
+        let light = LightFormat::ALL.iter().map(|&l| Self { light_target: Some(l), ..base });
+        let depth = DepthStore::ALL.iter().map(|&d| Self { depth: Some(d), ..base });
+        let others = normals.chain(gamma).chain(light).chain(depth);
+        let own = base.gbuffer().ok();
+        // What the base does by itself is no other choice.
+        let others = others.filter(|c| c.gbuffer().ok() != own);
+        plain.chain(others).collect()
     }
 
-    /// What [`crate::measure::choose`] chooses from.
+    /// What [`crate::measure::choose`] chooses from: the layouts, each single other choice over `ontile128` that changes
+    /// bytes or normals, and 16 bits of depth over its smaller kin. Colours are left as they are, since no other way has fewer
+    /// bytes.
     pub fn candidates() -> Vec<Self> {
-        Layout::ALL.iter().filter(|&&l| l != Layout::Exact).map(|&layout| Self::of(layout)).collect()
+        let layouts = Layout::ALL.iter().filter(|&&layout| layout != Layout::Exact).map(|&l| Self::of(l));
+        let base = Self::of(Layout::Ontile128);
+        let others = Self::one_by_one(base).into_iter().filter(|c| {
+            let floats = c.normals == Some(Normals::Float) || c.light_target == Some(LightFormat::Rgba32f);
+            !c.is_plain() && c.gamma.is_none() && !floats && c.light_target != Some(LightFormat::B10g11r11)
+        });
+        let small = [Layout::Ontile96, Layout::Ontile64, Layout::Packed128];
+        let small = small.map(|layout| Self { depth: Some(DepthStore::D16), ..Self::of(layout) });
+        layouts.chain(others).chain(small).collect()
     }
 
-    /// Every combination, whether it makes sense or not: [`super::Plan::new`] refuses what does not.
+    /// Every combination that makes sense; of those that come to the same G-buffer, the one with the fewest words.
     pub fn every() -> Vec<Self> {
-        Layout::ALL.iter().map(|&layout| Self::of(layout)).collect()
+        let mut seen: Vec<GBuffer> = Vec::new();
+        let mut all = Vec::new();
+        let mut combined: Vec<Self> = Layout::ALL.iter().map(|&layout| Self::of(layout)).collect();
+        for &layout in Layout::ALL {
+            for normals in some_of(Normals::ALL) {
+                for gamma in some_of(Gamma::ALL) {
+                    for light_target in some_of(LightFormat::ALL) {
+                        let of = |depth| Self { layout, normals, gamma, light_target, depth };
+                        combined.extend(some_of(DepthStore::ALL).map(of));
+                    }
+                }
+            }
+        }
+        for choice in combined {
+            if let Ok(gbuffer) = choice.gbuffer()
+                && !seen.contains(&gbuffer)
+            {
+                seen.push(gbuffer);
+                all.push(choice);
+            }
+        }
+        all
+    }
+
+    /// What the choice comes to.
+    ///
+    /// # Errors
+    /// As [`GBuffer::new`].
+    pub fn gbuffer(&self) -> crate::Result<GBuffer> {
+        GBuffer::new(&self.apply(&Options::default()))
     }
 
     /// Whether the layout is taken as it is.
@@ -48,15 +105,34 @@ impl Choice {
         *self == Self::of(self.layout)
     }
 
+    /// Flags and values of what is chosen besides the layout.
+    fn besides(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let choices = [
+            ("--normals", self.normals.map(Normals::name)),
+            ("--gamma", self.gamma.map(Gamma::name)),
+            ("--light-target", self.light_target.map(LightFormat::name)),
+            ("--depth", self.depth.map(DepthStore::name)),
+        ];
+        choices.into_iter().filter_map(|(flag, name)| Some((flag, name?)))
+    }
+
     /// The flags of the command line that make this choice.
     pub fn flags(&self) -> Vec<String> {
-        vec!["--layout".into(), self.layout.name().into()]
+        let layout = std::iter::once(("--layout", self.layout.name()));
+        layout.chain(self.besides()).flat_map(|(flag, name)| [flag.into(), name.into()]).collect()
     }
+}
+
+/// None of them, then each.
+fn some_of<T: Copy>(all: &'static [T]) -> impl Iterator<Item = Option<T>> {
+    std::iter::once(None).chain(all.iter().copied().map(Some))
 }
 
 impl std::fmt::Display for Choice {
     /// The layout, and what is chosen besides after plus signs.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(self.layout.name())
+        let gamma = |flag| if flag == "--gamma" { "gamma " } else { "" };
+        let besides = self.besides().map(|(flag, name)| format!(" + {}{name}", gamma(flag)));
+        f.pad(&std::iter::once(self.layout.name().to_owned()).chain(besides).collect::<String>())
     }
 }

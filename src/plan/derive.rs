@@ -46,7 +46,13 @@ fn can_share(frame: &Frame, options: &Options, all: &mut [usize]) -> bool {
 struct Touch {
     subpass: usize,
     resource: usize,
-    how: Use,
+    uses: Vec<Use>,
+}
+
+impl Touch {
+    fn writes(&self) -> bool {
+        self.uses.iter().any(|how| how.writes())
+    }
 }
 
 /// Groups stages into passes and derives every operation.
@@ -70,7 +76,11 @@ fn pass(
     let mut touches: BTreeMap<usize, Vec<Touch>> = BTreeMap::new();
     for (subpass, &stage) in stages.iter().enumerate() {
         for &(resource, how) in &frame.stages[stage].uses {
-            touches.entry(place_of(resource)).or_default().push(Touch { subpass, resource, how });
+            let of_attachment = touches.entry(place_of(resource)).or_default();
+            match of_attachment.last_mut() {
+                Some(touch) if touch.subpass == subpass => touch.uses.push(how),
+                _ => of_attachment.push(Touch { subpass, resource, uses: vec![how] }),
+            }
         }
     }
     let [first_stage, last_stage] = [stages[0], stages[stages.len() - 1]];
@@ -97,12 +107,11 @@ fn pass(
         // Later passes of a frame wait for its first one.
         let earlier_host = host.filter(|_| !states.contains_key(&attachment));
         let before = states.get(&attachment).copied().unwrap_or(State::Undefined);
-        let after = match last.how {
-            _ if is_output => State::after_frame(options.output_use),
-            _ if frame.resources[last.resource].kept && last_stage + 1 == frame.stages.len() => {
-                State::CopySource
-            }
-            how => State::of(how),
+        let is_copied = frame.resources[last.resource].kept && last_stage + 1 == frame.stages.len();
+        let after = match (is_output, is_copied) {
+            (true, _) => State::after_frame(options.output_use),
+            (false, true) => State::CopySource,
+            (false, false) => State::of(&last.uses, depth),
         };
         states.insert(attachment, after);
 
@@ -157,6 +166,16 @@ fn subpass(
     let of = |wanted: &[Use]| -> Vec<usize> {
         stage.uses.iter().filter(|(_, how)| wanted.contains(how)).map(|(r, _)| index_of(*r)).collect()
     };
+    let names = |wanted: &[Use]| -> Vec<&'static str> {
+        let uses = stage.uses.iter().filter(|(_, how)| wanted.contains(how));
+        uses.map(|(r, _)| frame.resources[*r].name).collect()
+    };
+    let state = |i: usize| {
+        let touch = touches[&attachments[i].attachment].iter().find(|t| t.subpass == index);
+        let is_depth = |t: &Touch| frame.resources[t.resource].format.is_depth();
+        touch.map_or(State::Undefined, |t| State::of(&t.uses, is_depth(t)))
+    };
+    let depth = of(&[Use::Depth, Use::DepthTest, Use::Stencil]).first().copied();
     // Live here: used at or after its first touch, up to its last one or, when stored, to the end of the pass.
     let alive = |a: &PassAttachment| {
         let touches = &touches[&a.attachment];
@@ -173,10 +192,14 @@ fn subpass(
     Subpass {
         name: stage.name,
         why: stage.why.clone(),
+        color_names: names(&[Use::Write, Use::Blend]),
         colors: of(&[Use::Write, Use::Blend]),
         blend: stage.uses.iter().any(|(_, how)| *how == Use::Blend),
+        input_names: names(&[Use::Read]),
+        input_states: of(&[Use::Read]).iter().map(|&i| state(i)).collect(),
         inputs: of(&[Use::Read]),
-        depth: of(&[Use::Depth, Use::DepthTest, Use::Stencil]).first().copied(),
+        depth_state: depth.map(state),
+        depth,
         depth_write: stage.uses.iter().any(|(_, how)| *how == Use::Depth),
         stencil: stage.uses.iter().any(|(_, how)| *how == Use::Stencil),
         preserve: live.iter().copied().filter(|&i| unused_here(&attachments[i])).collect(),
@@ -210,24 +233,24 @@ impl Dependencies {
     fn order_within(&mut self, frame: &Frame, touches: &[Touch], depth: bool) {
         for (index, b) in touches.iter().enumerate() {
             let is_last = index + 1 == touches.len();
-            let written = touches[..index].iter().rposition(|t| t.how.writes());
+            let written = touches[..index].iter().rposition(Touch::writes);
             let reads = &touches[written.map_or(0, |w| w + 1)..index];
             // A write that follows reads is ordered after the earlier write by them.
-            let written = written.filter(|_| !b.how.writes() || reads.is_empty()).map(|w| &touches[w]);
-            let reads = reads.iter().filter(|_| b.how.writes() || is_last);
+            let written = written.filter(|_| !b.writes() || reads.is_empty()).map(|w| &touches[w]);
+            let reads = reads.iter().filter(|_| b.writes() || is_last);
             for a in written.into_iter().chain(reads) {
-                let mut after = Access::of(b.how);
+                let mut after = Access::of(&b.uses);
                 if is_last {
                     after.insert(Access::store(depth));
                 }
                 let names = [a.resource, b.resource].map(|r| frame.resources[r].name);
-                let why = match (a.how.writes(), b.how.writes()) {
+                let why = match (a.writes(), b.writes()) {
                     (true, false) => format!("{} is written, then read", names[0]),
                     (true, true) => format!("{} is written, then added to", names[0]),
                     (false, true) => format!("{} is read, then overwritten by {}", names[0], names[1]),
                     (false, false) => format!("{} is read twice, then dropped or stored", names[0]),
                 };
-                self.add(Some(a.subpass), Some(b.subpass), Access::of(a.how), after, why);
+                self.add(Some(a.subpass), Some(b.subpass), Access::of(&a.uses), after, why);
             }
         }
     }
@@ -241,7 +264,7 @@ impl Dependencies {
         load: Load,
         host: Option<Access>,
     ) {
-        let mut after = Access::of(first.how);
+        let mut after = Access::of(&first.uses);
         after.insert(Access::load(depth, load));
         if is_only {
             after.insert(Access::store(depth));

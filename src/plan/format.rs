@@ -17,12 +17,30 @@ named_enum! {
         Bgra8Srgb = "bgra8_srgb",
         /// Three 10-bit and one 2-bit unsigned normalised channels.
         Rgb10a2Unorm = "rgb10a2",
+        /// Unsigned floats of 11, 11 and 10 bits.
+        B10g11r11Float = "b10g11r11",
+        /// One half float.
+        R16Float = "r16f",
+        /// Two half floats.
+        Rg16Float = "rg16f",
+        /// Two 8-bit unsigned normalised channels.
+        Rg8Unorm = "rg8",
+        /// Four 16-bit unsigned normalised channels.
+        Rgba16Unorm = "rgba16",
+        /// One 32-bit word.
+        R32Uint = "r32ui",
+        /// Two 32-bit words.
+        Rg32Uint = "rg32ui",
+        /// Four 32-bit words.
+        Rgba32Uint = "rgba32ui",
         /// Four half floats.
         Rgba16Float = "rgba16f",
         /// Four 32-bit floats.
         Rgba32Float = "rgba32f",
         /// 32-bit float depth.
         D32Float = "d32f",
+        /// 24-bit unsigned normalised depth.
+        D24Unorm = "d24",
         /// 16-bit unsigned normalised depth.
         D16Unorm = "d16",
         /// 32-bit float depth and 8 bits of stencil.
@@ -41,12 +59,16 @@ impl Format {
             | Self::Rgba8Srgb
             | Self::Bgra8Srgb
             | Self::Rgb10a2Unorm
+            | Self::B10g11r11Float
+            | Self::Rg16Float
+            | Self::R32Uint
             | Self::D32Float
+            | Self::D24Unorm
             | Self::D24UnormS8 => 32,
-            Self::D16Unorm => 16,
+            Self::D16Unorm | Self::R16Float | Self::Rg8Unorm => 16,
             Self::D32FloatS8 => 40,
-            Self::Rgba16Float => 64,
-            Self::Rgba32Float => 128,
+            Self::Rgba16Float | Self::Rgba16Unorm | Self::Rg32Uint => 64,
+            Self::Rgba32Float | Self::Rgba32Uint => 128,
         }
     }
 
@@ -57,7 +79,12 @@ impl Format {
 
     /// Whether this is a depth format.
     pub const fn is_depth(self) -> bool {
-        matches!(self, Self::D32Float | Self::D16Unorm) || self.has_stencil()
+        matches!(self, Self::D32Float | Self::D24Unorm | Self::D16Unorm) || self.has_stencil()
+    }
+
+    /// Whether channels are unsigned integers.
+    pub const fn is_uint(self) -> bool {
+        matches!(self, Self::R32Uint | Self::Rg32Uint | Self::Rgba32Uint)
     }
 
     /// Whether it has stencil bits beside depth.

@@ -1,11 +1,50 @@
-//! G-buffer layouts: one table each; the GLSL side is the file of the same name under `glsl/gbuffer/`.
+//! G-buffer layouts: one table each. The GLSL side of a layout's form is the file of the form's name under `glsl/gbuffer/`.
 
-use super::{Format, Layout};
+use serde::Serialize;
+
+use super::{DepthStore, Format, Gamma, Layout, LightFormat, Normals, Options};
+use crate::{Error, Result};
+
+/// What a G-buffer consists of: the channels and their meaning, apart from how normals and colours are encoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Form {
+    /// Depth; normal and roughness; base colour and metallicness.
+    Metallic,
+    /// Depth; normal and roughness; diffuse albedo; reflectance.
+    Specular,
+    /// Position and roughness; normal; base colour and metallicness.
+    Thibieroz128,
+    /// Position; normal; base colour. No roughness, no metallicness.
+    Thibieroz96,
+    /// Depth; two channels of a view-space normal; diffuse albedo; reflectance. Diffuse and other light apart.
+    Rasa128,
+    /// The same as [`Self::Thibieroz128`] in view space, all in half floats.
+    Dissertation192,
+    /// Eight words: position, light, normal, roughness, metallicness, base colour.
+    Metallic256,
+    /// Eight words: position, light, roughness, normal, diffuse albedo, reflectance.
+    Specular256,
+    /// Depth; two words of a surface; one of light.
+    Packed128,
+}
+
+impl Form {
+    /// Whether stages after geometry find where surfaces are by their depth; else a target holds positions.
+    pub const fn has_depth(self) -> bool {
+        matches!(self, Self::Metallic | Self::Specular | Self::Rasa128 | Self::Packed128)
+    }
+
+    /// Whether [`Normals`] says how normals are encoded; else the form has its own way.
+    pub const fn has_normals(self) -> bool {
+        matches!(self, Self::Metallic | Self::Specular)
+    }
+}
 
 /// One attachment of a G-buffer.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Target {
-    /// The attachment's name in plans and reports.
+    /// The attachment's name in plans and reports, and, in capitals, in the shaders' list of targets and inputs.
     pub name: &'static str,
     /// How it is stored.
     pub format: Format,
@@ -15,24 +54,45 @@ pub struct Target {
     pub used_bits: u32,
     /// What pixels that no surface covers must hold; `None` where nothing reads them.
     pub clear: Option<[f32; 4]>,
+    /// What a later stage than lighting may want of it.
+    pub tells: Tells,
 }
 
-/// A G-buffer layout.
-#[derive(Clone, Copy, Debug)]
-pub struct LayoutTable {
-    /// Where the layout comes from.
-    pub source: &'static str,
-    /// What geometry writes and lighting reads, in order of colour output and of input attachment index.
-    pub surface: [Target; 3],
-    /// Where light that surfaces send without light sources is stored, and the sum of all lights is added.
-    pub light: LightTarget,
-    /// The same where lights are added one by one. Each addition is rounded, so that of many dim lights all that is below
-    /// half a step would be lost.
-    pub light_one_by_one: LightTarget,
+/// What a target says besides what lighting alone needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Tells {
+    /// Nothing else.
+    Surface,
+    /// Where the surface is.
+    Position,
+    /// Its diffuse albedo.
+    Albedo,
+}
+
+/// Where light is kept before the tone curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LightPlace {
+    /// In a target that every light is added to by fixed-function blending.
+    Added {
+        /// Where all lights are added at once.
+        sum: LightTarget,
+        /// The same where they are added one by one. Each addition is rounded, so that of many dim lights all that is below
+        /// half a step would be lost.
+        one_by_one: LightTarget,
+        /// Whether diffuse light is summed by itself, without albedo, beside all other light.
+        split: bool,
+    },
+    /// In the G-buffer. Geometry writes light that exists before lighting, and the stage that adds all other light reads it and
+    /// applies the tone curve: nothing is blended.
+    Read(Option<Target>),
+    /// Nowhere: only light that one stage adds up.
+    Nowhere,
 }
 
 /// What light is summed in before the tone curve.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LightTarget {
     /// The attachment.
     pub target: Target,
@@ -40,94 +100,404 @@ pub struct LightTarget {
     pub range: f32,
 }
 
+impl LightTarget {
+    /// A light target of this format.
+    pub const fn new(format: LightFormat) -> Self {
+        let (format, holds, used_bits, range) = match format {
+            LightFormat::Rgb10a2 => {
+                (Format::Rgb10a2Unorm, "rgb: exposed light / range, a: padding", 30, UNORM_LIGHT_RANGE)
+            }
+            LightFormat::B10g11r11 => (Format::B10g11r11Float, "rgb: exposed light", 32, 1.0),
+            LightFormat::Rgba16f => (Format::Rgba16Float, "rgb: exposed light, a: padding", 48, 1.0),
+            LightFormat::Rgba32f => (Format::Rgba32Float, "rgb: exposed light, a: padding", 96, 1.0),
+        };
+        let clear = Some([0.0; 4]);
+        Self {
+            target: Target { name: "light", format, holds, used_bits, clear, tells: Tells::Surface },
+            range,
+        }
+    }
+
+    /// Whether surfaces can be told from the background by alpha.
+    pub const fn has_alpha(&self) -> bool {
+        !matches!(self.target.format, Format::B10g11r11Float)
+    }
+}
+
 /// Exposed light above this is clipped by a normalised light target. The neutral curve compresses all that lies
 /// above it into the last 4 % of the display's range, while each doubling costs a bit in the dark.
 const UNORM_LIGHT_RANGE: f32 = 2.0;
 
-const METALLIC128: LayoutTable = LayoutTable {
-    source: "Smith and Einig 2015, listing 2.2",
-    surface: [
-        Target {
-            name: "depth",
-            format: Format::R32Float,
-            holds: "r: reversed device depth",
-            used_bits: 32,
-            clear: None,
-        },
-        Target {
-            name: "normal_roughness",
-            format: Format::Rgba8Unorm,
-            holds: "rgb: world-space normal / 2 + 1/2, a: perceptual roughness; all zero: not lit",
-            used_bits: 32,
-            clear: Some([0.0; 4]),
-        },
-        Target {
-            name: "base_metallic",
-            format: Format::Rgba8Srgb,
-            holds: "rgb: albedo or reflectance (sRGB), a: metallicness",
-            used_bits: 32,
-            clear: None,
-        },
-    ],
-    light: LightTarget {
-        target: Target {
-            name: "light",
-            format: Format::Rgb10a2Unorm,
-            holds: "rgb: exposed light / range, a: padding",
-            used_bits: 30,
-            clear: Some([0.0; 4]),
-        },
-        range: UNORM_LIGHT_RANGE,
-    },
-    light_one_by_one: float_light(Format::Rgba16Float, 48),
-};
+/// A layout before the user's choices.
+struct Table {
+    source: &'static str,
+    form: Form,
+    depth: DepthStore,
+    normals: Normals,
+    gamma: Gamma,
+    light: TableLight,
+}
 
-const EXACT: LayoutTable = LayoutTable {
-    source: "all channels 32-bit floats, to tell quantisation from arithmetic",
-    surface: [
-        Target { used_bits: 32, ..METALLIC128.surface[0] },
-        Target {
-            name: "normal_roughness",
-            format: Format::Rgba32Float,
-            holds: "rgb: world-space normal, a: perceptual roughness; all zero: not lit",
-            used_bits: 128,
-            clear: Some([0.0; 4]),
-        },
-        Target {
-            name: "base_metallic",
-            format: Format::Rgba32Float,
-            holds: "rgb: base colour (linear), a: metallicness",
-            used_bits: 128,
-            clear: None,
-        },
-    ],
-    light: float_light(Format::Rgba32Float, 96),
-    light_one_by_one: float_light(Format::Rgba32Float, 96),
-};
+enum TableLight {
+    Added(LightFormat),
+    Read,
+    Nowhere,
+}
 
-const fn float_light(format: Format, used_bits: u32) -> LightTarget {
-    let holds = "rgb: exposed light, a: padding";
-    LightTarget {
-        target: Target { name: "light", format, holds, used_bits, clear: Some([0.0; 4]) },
-        range: 1.0,
+const fn table(layout: Layout) -> Table {
+    use TableLight::{Added, Nowhere, Read};
+    let metallic128 = Table {
+        source: "Smith and Einig 2015, listing 2.2",
+        form: Form::Metallic,
+        depth: DepthStore::R32f,
+        normals: Normals::Xyz8,
+        gamma: Gamma::Srgb,
+        light: Added(LightFormat::Rgb10a2),
+    };
+    let ontile128 = Table {
+        source: "octahedral normals, half-float light, depth from the depth attachment",
+        depth: DepthStore::D32,
+        normals: Normals::Oct12,
+        light: Added(LightFormat::Rgba16f),
+        ..metallic128
+    };
+    match layout {
+        Layout::Metallic128 => metallic128,
+        Layout::Specular160 => {
+            Table { source: "Smith and Einig 2015, listing 2.1", form: Form::Specular, ..metallic128 }
+        }
+        Layout::Metallic256 => Table {
+            source: "Smith and Einig 2015, listing 2.7",
+            form: Form::Metallic256,
+            light: Read,
+            ..metallic128
+        },
+        Layout::Specular256 => Table {
+            source: "Smith and Einig 2015, listing 2.8",
+            form: Form::Specular256,
+            light: Read,
+            ..metallic128
+        },
+        Layout::Thibieroz128 => {
+            Table { source: "Thibieroz 2004, \"Attribute Buffer\"", form: Form::Thibieroz128, ..metallic128 }
+        }
+        Layout::Thibieroz96 => Table {
+            source: "Thibieroz 2004, \"Optimized MRT Configuration\"",
+            form: Form::Thibieroz96,
+            ..metallic128
+        },
+        Layout::Rasa128 => {
+            Table { source: "Koonce 2007, 19.6.1 and 19.7.3", form: Form::Rasa128, ..metallic128 }
+        }
+        Layout::Dissertation192 => Table {
+            source: "dissertation on deferred and forward shading, 4.5.1",
+            form: Form::Dissertation192,
+            light: Added(LightFormat::Rgba16f),
+            ..metallic128
+        },
+        Layout::Ontile128 => ontile128,
+        Layout::Ontile96 => Table {
+            source: "ontile128 with a light target of 32 bits",
+            light: Added(LightFormat::B10g11r11),
+            ..ontile128
+        },
+        Layout::Ontile64 => Table { source: "ontile128 without a light target", light: Nowhere, ..ontile128 },
+        Layout::Packed128 => Table {
+            source: "ontile128 with bits where they count, and light that is read, not blended",
+            form: Form::Packed128,
+            light: Read,
+            ..ontile128
+        },
+        Layout::Exact => Table {
+            source: "all channels 32-bit floats, to tell quantisation from arithmetic",
+            normals: Normals::Float,
+            gamma: Gamma::Float,
+            light: Added(LightFormat::Rgba32f),
+            ..metallic128
+        },
     }
 }
 
-impl Layout {
-    /// The place of reversed depth among the surface targets of every layout.
-    pub(super) const DEPTH: usize = 0;
+/// A layout with the user's choices applied: what a pixel holds, and where.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GBuffer {
+    /// Where it began.
+    pub layout: Layout,
+    /// The form.
+    pub form: Form,
+    /// Where depth is stored, for [`Form::has_depth`].
+    pub depth: DepthStore,
+    /// How normals are encoded, for [`Form::has_normals`].
+    pub normals: Normals,
+    /// How colours are encoded.
+    pub gamma: Gamma,
+    /// What geometry writes and lighting reads of surfaces, in order of colour outputs and of input attachment indices. A depth
+    /// attachment that is read is not among them.
+    pub surface: Vec<Target>,
+    /// Where light is kept.
+    pub light: LightPlace,
+}
 
-    /// What the layout consists of.
-    pub const fn table(self) -> &'static LayoutTable {
-        match self {
-            Self::Metallic128 => &METALLIC128,
-            Self::Exact => &EXACT,
+impl Layout {
+    /// Where the layout comes from.
+    pub const fn source(self) -> &'static str {
+        table(self).source
+    }
+}
+
+impl GBuffer {
+    /// The layout of the options, with what they choose besides.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the layout has no such choice.
+    pub fn new(options: &Options) -> Result<Self> {
+        let Table { form, depth, normals, gamma, light, .. } = table(options.layout);
+        let layout = options.layout;
+        let refused = |what: &str, remedy: &str| {
+            Err(Error::unsupported(format!("layout {layout} {what}"), remedy.to_owned()))
+        };
+        let named = "leave that out, or choose metallic128, specular160 or ontile128";
+        if options.depth.is_some() && !form.has_depth() {
+            return refused("stores positions, so that --depth has nothing to say", named);
+        }
+        if options.normals.is_some() && !form.has_normals() {
+            return refused("has a fixed encoding of normals (--normals)", named);
+        }
+        if options.gamma.is_some() && !has_gamma(form) {
+            return refused("has a fixed encoding of colours (--gamma)", named);
+        }
+        let light = match (light, options.light_target) {
+            (TableLight::Read, None) => LightPlace::Read((form == Form::Packed128).then_some(LIGHT_WORD)),
+            (TableLight::Nowhere, None) => LightPlace::Nowhere,
+            (TableLight::Read | TableLight::Nowhere, Some(_)) => {
+                return refused("has no light target (--light-target)", named);
+            }
+            (TableLight::Added(own), wanted) => {
+                let sum = LightTarget::new(wanted.unwrap_or(own));
+                let one_by_one = LightTarget::new(wanted.unwrap_or(match own {
+                    LightFormat::Rgba32f => own,
+                    _ => LightFormat::Rgba16f,
+                }));
+                LightPlace::Added { sum, one_by_one, split: form == Form::Rasa128 }
+            }
+        };
+        let mut gbuffer = Self {
+            layout,
+            form,
+            depth: options.depth.unwrap_or(depth),
+            normals: options.normals.unwrap_or(normals),
+            gamma: options.gamma.unwrap_or(gamma),
+            surface: Vec::new(),
+            light,
+        };
+        gbuffer.surface = gbuffer.targets();
+        Ok(gbuffer)
+    }
+
+    /// The `exact` layout.
+    pub fn exact() -> Self {
+        let options = Options { layout: Layout::Exact, ..Options::default() };
+        Self::new(&options).expect("it is complete without choices")
+    }
+
+    /// Whether later stages read the depth attachment itself.
+    pub fn reads_depth_attachment(&self) -> bool {
+        self.form.has_depth() && self.depth != DepthStore::R32f
+    }
+
+    /// Bits of colour a pixel that its surface targets have.
+    pub fn surface_bits(&self) -> u32 {
+        self.surface.iter().map(|t| t.format.bits()).sum()
+    }
+
+    /// What light is added to by blending, all lights at once or one by one, and whether diffuse light apart.
+    pub(super) fn added_light(&self, one_by_one: bool) -> Option<(LightTarget, bool)> {
+        match self.light {
+            LightPlace::Added { sum, one_by_one: each, split } => {
+                Some((if one_by_one { each } else { sum }, split))
+            }
+            LightPlace::Read(_) | LightPlace::Nowhere => None,
         }
     }
 
-    /// What light is summed in: all lights at once, or one by one.
-    pub(super) fn light(self, one_by_one: bool) -> &'static LightTarget {
-        let table = self.table();
-        if one_by_one { &table.light_one_by_one } else { &table.light }
+    fn targets(&self) -> Vec<Target> {
+        let depth = (self.form.has_depth() && self.depth == DepthStore::R32f).then_some(DEPTH);
+        let base = |holds| self.color("base_metallic", holds, Tells::Albedo);
+        let normal_roughness = || normal_roughness(self.normals);
+        let half = |name, holds, used_bits, clear, tells| Target {
+            name,
+            format: Format::Rgba16Float,
+            holds,
+            used_bits,
+            clear,
+            tells,
+        };
+        let word = |name, holds| Target {
+            name,
+            format: Format::Rgba32Uint,
+            holds,
+            used_bits: 128,
+            clear: NOTHING,
+            tells: Tells::Position,
+        };
+        let metallic = "rgb: base colour, a: metallicness";
+        let targets = match self.form {
+            Form::Metallic => vec![normal_roughness(), base(metallic)],
+            Form::Specular => vec![
+                normal_roughness(),
+                Target { used_bits: base("").used_bits * 3 / 4, ..base("rgb: diffuse albedo, a: padding") },
+                self.specular(),
+            ],
+            Form::Thibieroz128 => vec![
+                half("position", "rgb: world-space position, a: roughness", 64, None, Tells::Position),
+                Target {
+                    name: "normal",
+                    format: Format::Rgb10a2Unorm,
+                    holds: "rgb: world-space normal / 2 + 1/2, a: 1 lit",
+                    used_bits: 31,
+                    clear: NOTHING,
+                    tells: Tells::Surface,
+                },
+                base(metallic),
+            ],
+            Form::Thibieroz96 => vec![
+                Target {
+                    name: "position",
+                    format: Format::Rg16Float,
+                    holds: "rg: world-space x and y",
+                    used_bits: 32,
+                    clear: None,
+                    tells: Tells::Position,
+                },
+                Target {
+                    name: "position_z",
+                    format: Format::R16Float,
+                    holds: "r: world-space z",
+                    used_bits: 16,
+                    clear: None,
+                    tells: Tells::Position,
+                },
+                Target { clear: NOTHING, ..base("rgb: base colour, a: normal z / 2 + 1/2") },
+                Target {
+                    name: "normal_xy",
+                    format: Format::Rg8Unorm,
+                    holds: "rg: world-space normal x and y / 2 + 1/2",
+                    used_bits: 16,
+                    clear: NOTHING,
+                    tells: Tells::Surface,
+                },
+            ],
+            Form::Rasa128 => vec![
+                Target {
+                    name: "normal",
+                    format: Format::Rgba8Unorm,
+                    holds: "rg: view-space normal x and y / 2 + 1/2, b: roughness, a: 1 lit",
+                    used_bits: 25,
+                    clear: NOTHING,
+                    tells: Tells::Surface,
+                },
+                Target { used_bits: base("").used_bits * 3 / 4, ..base("rgb: diffuse albedo, a: padding") },
+                self.specular(),
+            ],
+            Form::Dissertation192 => vec![
+                half("position", "rgb: view-space position, a: roughness", 64, None, Tells::Position),
+                half("normal", "rgb: view-space normal, a: 1 lit", 49, NOTHING, Tells::Surface),
+                half("base_metallic", "rgb: base colour (linear), a: metallicness", 64, None, Tells::Albedo),
+            ],
+            Form::Metallic256 => vec![
+                word("words", "position x, y, z (float); light r, g (half)"),
+                word(
+                    "more_words",
+                    "light b, normal (half); roughness, metallicness (half); base colour (b10g11r11)",
+                ),
+            ],
+            Form::Specular256 => vec![
+                word("words", "position x, y, z (float); light r, g (half)"),
+                word(
+                    "more_words",
+                    "light b, roughness (half); normal / 2 + 1/2, diffuse albedo, reflectance (b10g11r11)",
+                ),
+            ],
+            Form::Packed128 => vec![Target {
+                name: "words",
+                format: Format::Rg32Uint,
+                holds: "octahedral normal 12 + 12, roughness 8; root of base colour 9 + 10 + 9, metallicness 4",
+                used_bits: 64,
+                clear: NOTHING,
+                tells: Tells::Surface,
+            }],
+        };
+        depth.into_iter().chain(targets).collect()
     }
+
+    /// A colour and something linear in alpha.
+    fn color(&self, name: &'static str, what: &'static str, tells: Tells) -> Target {
+        let format = match self.gamma {
+            Gamma::Srgb => Format::Rgba8Srgb,
+            Gamma::Power22 | Gamma::Power20 | Gamma::Linear => Format::Rgba8Unorm,
+            Gamma::Float => Format::Rgba32Float,
+        };
+        Target { name, format, holds: what, used_bits: format.bits(), clear: None, tells }
+    }
+
+    fn specular(&self) -> Target {
+        let color =
+            self.color("specular", "rgb: reflectance at normal incidence, a: padding", Tells::Surface);
+        Target { used_bits: color.used_bits * 3 / 4, ..color }
+    }
+}
+
+/// What is nowhere written.
+const NOTHING: Option<[f32; 4]> = Some([0.0; 4]);
+
+const DEPTH: Target = Target {
+    name: "depth",
+    format: Format::R32Float,
+    holds: "r: reversed device depth",
+    used_bits: 32,
+    clear: None,
+    tells: Tells::Position,
+};
+
+const LIGHT_WORD: Target = Target {
+    name: "light_word",
+    format: Format::R32Uint,
+    holds: "exposed light before lighting (e5b9g9r9)",
+    used_bits: 32,
+    clear: NOTHING,
+    tells: Tells::Surface,
+};
+
+const fn has_gamma(form: Form) -> bool {
+    matches!(form, Form::Metallic | Form::Specular | Form::Thibieroz128 | Form::Thibieroz96 | Form::Rasa128)
+}
+
+fn normal_roughness(normals: Normals) -> Target {
+    let (format, holds, used_bits) = match normals {
+        Normals::Xyz8 => (
+            Format::Rgba8Unorm,
+            "rgb: world-space normal / 2 + 1/2, a: perceptual roughness; all zero: not lit",
+            32,
+        ),
+        Normals::Oct8 => (Format::Rgba8Unorm, "rg: octahedral normal, b: roughness, a: 1 lit", 25),
+        Normals::Oct10 => (Format::Rgb10a2Unorm, "rg: octahedral normal, b: roughness, a: 1 lit", 31),
+        Normals::Oct12 => {
+            (Format::Rgba8Unorm, "rgb: octahedral normal 12 + 12, a: roughness; rgb all zero: not lit", 32)
+        }
+        Normals::Oct16 => (Format::Rgba16Unorm, "rg: octahedral normal, b: roughness, a: 1 lit", 49),
+        Normals::Sphere12 => (
+            Format::Rgba8Unorm,
+            "rgb: equal-area map of the view-space normal 12 + 12, a: roughness; rgb all zero: not lit",
+            32,
+        ),
+        Normals::View12 => (
+            Format::Rgba8Unorm,
+            "rgb: view-space normal x, y 12 + 12, a: roughness; rgb all zero: not lit",
+            32,
+        ),
+        Normals::Float => {
+            (Format::Rgba32Float, "rgb: world-space normal, a: perceptual roughness; all zero: not lit", 128)
+        }
+    };
+    Target { name: "normal_roughness", format, holds, used_bits, clear: NOTHING, tells: Tells::Surface }
 }

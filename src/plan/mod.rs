@@ -31,7 +31,7 @@ mod stage;
 mod tests;
 
 pub(crate) use check::check_size;
-use check::{check_counts, check_dither, check_shadows};
+use check::{check_counts, check_dither, check_light, check_shadows};
 
 pub use access::{Access, Scope, State};
 pub use around::{Around, AroundImage, EnvironmentNeed};
@@ -40,7 +40,7 @@ pub use budget::{Verdict, verdicts};
 pub use choice::Choice;
 pub use counts::{FrameCounts, Seen, StateChanges};
 pub use format::Format;
-pub use layout::{LayoutTable, LightTarget, Target};
+pub use layout::{Form, GBuffer, LightPlace, LightTarget, Target, Tells};
 pub use ledger::{
     AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
 };
@@ -49,8 +49,8 @@ pub use lights::{ClusterBudget, VolumeShape};
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
 pub use options::{
-    Layout, LightWay, Options, OutputFormat, OutputUse, Path, ShadowFilter, ShadowFormat, ShadowOptions,
-    Strategy, Tonemap,
+    DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, OutputUse, Path,
+    ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
 };
 pub use shadow::{
     CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, bias_texels, spread_texels,
@@ -190,14 +190,22 @@ pub struct Subpass {
     pub name: &'static str,
     /// Why it exists.
     pub why: String,
+    /// What colour outputs are of, by location.
+    pub color_names: Vec<&'static str>,
     /// By colour output location.
     pub colors: Vec<usize>,
     /// Whether colour outputs are added to what is there.
     pub blend: bool,
+    /// What input attachments are of, by index.
+    pub input_names: Vec<&'static str>,
     /// By input attachment index.
     pub inputs: Vec<usize>,
+    /// The state that each of them is in.
+    pub input_states: Vec<State>,
     /// Depth test.
     pub depth: Option<usize>,
+    /// The state that depth is in.
+    pub depth_state: Option<State>,
     /// Whether it also writes depth.
     pub depth_write: bool,
     /// Whether the stencil of the depth attachment is written and tested.
@@ -281,6 +289,8 @@ pub struct Plan {
     pub pipelines: Vec<(usize, Pipeline)>,
     /// What surfaces sample to receive light from all around.
     pub around: Vec<AroundImage>,
+    /// What a G-buffer of this plan consists of, whether or not the path has one.
+    pub gbuffer: GBuffer,
     /// The path taken: never [`Path::Auto`]. Without lit surfaces they are all the same.
     pub path: Path,
     /// Whether the stage that lights applies the tone curve itself, so that there is no light target.
@@ -310,7 +320,11 @@ impl Plan {
         around::check(&needs)?;
         let (path, path_why) = path::resolve(&needs, &options, limits)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
-        let frame = stage::Frame::new(&needs, &options, path, light_way, limits.depth_stencil);
+        let gbuffer = GBuffer::new(&options)?;
+        if path == Path::Deferred && needs.lit.is_some() {
+            check_light(&gbuffer, &needs, &options, light_way)?;
+        }
+        let frame = stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil);
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
@@ -319,7 +333,7 @@ impl Plan {
         let around = around::images(&needs, &options);
         let pipelines = pipelines(&frame, &needs, light_way);
         let folded = frame.folded;
-        let mut notes = notes(&needs, &options, path, &attachments, folded);
+        let mut notes = notes(&needs, &options, &gbuffer, path, &attachments, folded);
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
@@ -331,6 +345,7 @@ impl Plan {
             passes,
             pipelines,
             around,
+            gbuffer,
             path,
             folded,
             light_way,
@@ -357,9 +372,15 @@ impl Plan {
     }
 
     /// What light is summed in, if it is.
-    pub fn light_target(&self) -> Option<&'static LightTarget> {
+    pub fn light_target(&self) -> Option<LightTarget> {
         let one_by_one = self.path == Path::ForwardMultipass || self.light_way.is_one_by_one();
-        self.has_light_target().then(|| self.options.layout.light(one_by_one))
+        self.has_light_target().then(|| stage::added_light(&self.gbuffer, one_by_one).0)
+    }
+
+    /// Whether light that exists before lighting is in the G-buffer, where lighting reads it.
+    pub fn light_is_read(&self) -> bool {
+        let in_gbuffer = matches!(self.gbuffer.light, LightPlace::Read(_));
+        in_gbuffer && self.has_gbuffer() && !self.needs.prelit.is_empty()
     }
 
     /// The factor that exposed light is stored with.
@@ -402,6 +423,7 @@ fn pipelines(frame: &stage::Frame, needs: &Needs, way: LightWay) -> Vec<(usize, 
 fn notes(
     needs: &Needs,
     options: &Options,
+    gbuffer: &GBuffer,
     path: Path,
     attachments: &[Attachment],
     folded: bool,
@@ -414,20 +436,26 @@ fn notes(
         notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());
     } else if path == Path::Forward {
         notes.extend(path::notes(options, path));
+    } else if folded && !needs.prelit.is_empty() {
+        notes.push("one stage adds all light and applies the tone curve: nothing is blended".into());
     } else if folded {
         notes.push(
             "no light exists before lighting: lighting and tonemap are one subpass, no light target".into(),
         );
     } else {
-        let table = options.layout.table();
-        let is_unorm = attachments.iter().any(|a| a.format == Format::Rgb10a2Unorm);
-        let range = format!("the light target holds exposed light up to {}", table.light.range);
-        notes.extend(is_unorm.then_some(range));
+        let clips = |light: &LightTarget| {
+            let is_there =
+                attachments.iter().any(|a| a.name == light.target.name && a.format == light.target.format);
+            is_there && light.target.format == Format::Rgb10a2Unorm
+        };
+        let light = gbuffer.added_light(false).map(|(light, _)| light).filter(clips);
+        notes.extend(light.map(|l| format!("the light target holds exposed light up to {}", l.range)));
         notes.extend(path::notes(options, path));
         if !options.recycle {
             notes.push("recycling is off: every resource has an attachment of its own".into());
         } else if path == Path::Deferred && !attachments[0].name.contains('/') {
-            let base = table.surface[2].format;
+            let base = gbuffer.surface.iter().find(|t| t.tells == Tells::Albedo).map(|t| t.format);
+            let Some(base) = base else { return notes };
             notes.push(if !options.output_is_input_attachment {
                 "the output cannot be read as an input attachment, so base_metallic has its own".into()
             } else if base != options.output.into() {

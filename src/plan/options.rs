@@ -55,12 +55,100 @@ named_enum! {
 }
 
 named_enum! {
-    /// A G-buffer layout.
+    /// A G-buffer layout. Bits are of colour attachments, the light target included.
     Layout {
-        /// Smith and Einig 2015, listing 2.2: 128 bits, light target included.
+        /// Smith and Einig 2015, listing 2.2.
         Metallic128 = "metallic128",
+        /// Listing 2.1: a colour each for diffuse and specular reflection.
+        Specular160 = "specular160",
+        /// Listing 2.7: position stored, half floats, light in the same words.
+        Metallic256 = "metallic256",
+        /// Listing 2.8: likewise for the specular workflow.
+        Specular256 = "specular256",
+        /// Thibieroz 2004: position, normal and colour; 128 bits and light.
+        Thibieroz128 = "thibieroz128",
+        /// The same in 96 bits, which have no room for roughness and metallicness.
+        Thibieroz96 = "thibieroz96",
+        /// Koonce 2007: view-space normals in two channels; 128 bits, and diffuse and specular light apart.
+        Rasa128 = "rasa128",
+        /// The dissertation's three half-float targets, and light.
+        Dissertation192 = "dissertation192",
+        /// Octahedral normals and half-float light; depth from the depth attachment.
+        Ontile128 = "ontile128",
+        /// The same with 32 bits of light.
+        Ontile96 = "ontile96",
+        /// The same without a light target: for scenes in which all light comes from light sources.
+        Ontile64 = "ontile64",
+        /// The same surface bits, laid out by search; light is read, not blended: two subpasses.
+        Packed128 = "packed128",
         /// Every channel a 32-bit float: separates quantisation error from shader error.
         Exact = "exact",
+    }
+}
+
+named_enum! {
+    /// How a normal is stored, in layouts that leave the choice; roughness is beside it.
+    Normals {
+        /// World-space x, y and z in 8 bits each: 0.17 degrees off on average, 0.39 at most.
+        Xyz8 = "xyz8",
+        /// Octahedral, 8 + 8 bits.
+        Oct8 = "oct8",
+        /// Octahedral, 10 + 10 bits, and roughness in 10.
+        Oct10 = "oct10",
+        /// Octahedral, 12 + 12 bits.
+        Oct12 = "oct12",
+        /// Octahedral, 16 + 16 bits, in a target of 64.
+        Oct16 = "oct16",
+        /// Lambert's equal-area map of view space, 12 + 12 bits.
+        Sphere12 = "sphere12",
+        /// View-space x and y, 12 + 12 bits; z is taken to be positive.
+        View12 = "view12",
+        /// Floats.
+        Float = "float",
+    }
+}
+
+named_enum! {
+    /// How a colour is stored, in layouts that leave the choice.
+    Gamma {
+        /// sRGB by the attachment's format, 8 bits.
+        Srgb = "srgb",
+        /// Power 2.2 in the shader, 8 bits.
+        Power22 = "2.2",
+        /// Power 2 in the shader, 8 bits (Smith and Einig 2015, listing 2.4).
+        Power20 = "2.0",
+        /// None, 8 bits: dark colours show steps.
+        Linear = "linear",
+        /// Floats.
+        Float = "float",
+    }
+}
+
+named_enum! {
+    /// What light is summed in before the tone curve.
+    LightFormat {
+        /// 10 bits a channel, up to twice what the exposure makes white.
+        Rgb10a2 = "rgb10a2",
+        /// Unsigned floats of 11, 11 and 10 bits.
+        B10g11r11 = "b10g11r11",
+        /// Half floats.
+        Rgba16f = "rgba16f",
+        /// Floats.
+        Rgba32f = "rgba32f",
+    }
+}
+
+named_enum! {
+    /// Where stages after geometry read depth.
+    DepthStore {
+        /// From a colour target of floats: for devices that cannot read a depth attachment on the tile.
+        R32f = "r32f",
+        /// From the depth attachment, 32-bit floats.
+        D32 = "d32",
+        /// From the depth attachment, 24 bits of fixed point.
+        D24 = "d24",
+        /// From the depth attachment, 16 bits of fixed point.
+        D16 = "d16",
     }
 }
 
@@ -217,6 +305,14 @@ pub struct Options {
     pub strategy: Strategy,
     /// G-buffer layout.
     pub layout: Layout,
+    /// How normals are encoded; `None`: the layout's way.
+    pub normals: Option<Normals>,
+    /// How colours are encoded, likewise.
+    pub gamma: Option<Gamma>,
+    /// What light is summed in, likewise.
+    pub light_target: Option<LightFormat>,
+    /// Where depth is read, likewise.
+    pub depth: Option<DepthStore>,
     /// When surfaces are lit.
     pub path: Path,
     /// How lights reach pixels.
@@ -257,6 +353,10 @@ impl Default for Options {
             size: [1280, 720],
             strategy: Strategy::Subpasses,
             layout: Layout::Metallic128,
+            normals: None,
+            gamma: None,
+            light_target: None,
+            depth: None,
             path: Path::Deferred,
             lights: LightWay::Auto,
             shadows: ShadowOptions::default(),

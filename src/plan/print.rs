@@ -11,7 +11,7 @@ impl Display for Plan {
         let [width, height] = o.size;
         write!(f, "plan: {width}x{height}, strategy {}, ", o.strategy)?;
         match self.path {
-            Path::Deferred => writeln!(f, "layout {} ({})", o.layout, o.layout.table().source)?,
+            Path::Deferred => writeln!(f, "layout {} ({})", o.layout, o.layout.source())?,
             path => writeln!(f, "path {path}")?,
         }
         for note in &self.notes {

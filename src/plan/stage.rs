@@ -1,6 +1,7 @@
 //! The stages of a frame and the resources that they exchange, before anything is placed in memory.
 
-use super::{Format, Layout, LightWay, Needs, Options, Path, layout::Target};
+use super::layout::{GBuffer, LightPlace, LightTarget, Target, Tells};
+use super::{DepthStore, Format, LightWay, Needs, Options, Path};
 
 /// Something that stages write and read, one value a pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +80,14 @@ impl Frame {
 
     /// The least number of stages and resources that give the picture on this path and in this way, none of which is
     /// `Auto`. The format is for depth where the way needs a stencil.
-    pub fn new(needs: &Needs, options: &Options, path: Path, way: LightWay, depth_stencil: Format) -> Self {
+    pub fn new(
+        needs: &Needs,
+        options: &Options,
+        gbuffer: &GBuffer,
+        path: Path,
+        way: LightWay,
+        depth_stencil: Format,
+    ) -> Self {
         let mut resources = vec![Resource {
             name: "output",
             format: options.output.into(),
@@ -103,22 +111,37 @@ impl Frame {
         let mut depth_uses = Vec::new();
         let one_by_one = way.is_one_by_one();
         let before_sky = needs.sky && needs.triangles > 0;
-        let depth = (needs.triangles > 1 || one_by_one || before_sky).then(|| {
+        let is_read = path == Path::Deferred && needs.lit.is_some() && gbuffer.reads_depth_attachment();
+        let depth = (needs.triangles > 1 || one_by_one || before_sky || is_read).then(|| {
             let stencil = way == LightWay::Stencil;
             let target = Target {
-                name: if stencil { "depth_stencil_test" } else { "depth_test" },
-                format: if stencil { depth_stencil } else { Format::D32Float },
+                name: match (is_read, stencil) {
+                    (true, _) => "depth",
+                    (false, true) => "depth_stencil_test",
+                    (false, false) => "depth_test",
+                },
+                format: match gbuffer.depth {
+                    _ if stencil => depth_stencil,
+                    DepthStore::D24 if is_read => Format::D24Unorm,
+                    DepthStore::D16 if is_read => Format::D16Unorm,
+                    _ => Format::D32Float,
+                },
                 holds: match stencil {
                     true => "reversed device depth, 0 is far; stencil: surfaces in a light's volume",
                     false => "reversed device depth, 0 is far",
                 },
                 used_bits: if stencil { depth_stencil.bits() } else { 32 },
                 clear: Some([0.0; 4]),
+                tells: Tells::Position,
             };
-            let mut why = vec![format!("{} triangles hide each other", needs.triangles)];
+            let mut why = Vec::new();
+            why.extend(
+                (needs.triangles > 1).then(|| format!("{} triangles hide each other", needs.triangles)),
+            );
+            why.extend(is_read.then(|| "lighting reads it".into()));
             why.extend(one_by_one.then(|| "a light's volume is tested against it".into()));
             why.extend(before_sky.then(|| "the sky is behind them".into()));
-            add(&target, false, why.join("; "))
+            add(&target, options.keep_gbuffer && is_read, why.join("; "))
         });
         if let Some(depth) = depth {
             if options.depth_prepass {
@@ -147,8 +170,8 @@ impl Frame {
         let lit = match (&needs.lit, path) {
             (Some(lit), Path::Deferred) => lit,
             (Some(_), Path::ForwardMultipass) => {
-                let light =
-                    add(&options.layout.light(true).target, false, "lights are summed one by one".into());
+                let light = added_light(gbuffer, true).0;
+                let light = add(&light.target, false, "lights are summed one by one".into());
                 if needs.background.is_some() {
                     resources[light].holds = Self::LIGHT_AND_BACKGROUND;
                 }
@@ -191,8 +214,12 @@ impl Frame {
             }
         };
 
-        let table = options.layout.table();
-        let surface: Vec<_> = table
+        let light_read = matches!(gbuffer.light, LightPlace::Read(_)) && !needs.prelit.is_empty();
+        let folded = match gbuffer.light {
+            LightPlace::Added { .. } => needs.prelit.is_empty() && options.fold && !one_by_one,
+            LightPlace::Read(_) | LightPlace::Nowhere => true,
+        };
+        let mut surface: Vec<_> = gbuffer
             .surface
             .iter()
             .map(|t| add(t, options.keep_gbuffer, format!("lighting reads it for lit surfaces ({lit})")))
@@ -203,19 +230,60 @@ impl Frame {
             light_why.push("lighting and tonemap are kept apart on request".into());
         }
         let light_why = light_why.join(", ");
-        let folded = needs.prelit.is_empty() && options.fold && !one_by_one;
-        let light =
-            (!folded).then(|| add(&options.layout.light(one_by_one).target, options.keep_gbuffer, light_why));
-        if let Some(light) = light {
-            if needs.fog.is_some() {
-                resources[surface[Layout::DEPTH]].why += ", and tonemap for fog";
+        if let LightPlace::Read(Some(word)) = &gbuffer.light
+            && light_read
+        {
+            surface.push(add(word, options.keep_gbuffer, light_why.clone()));
+        }
+        let (light, split) = added_light(gbuffer, one_by_one);
+        let other = Target {
+            name: "specular_light",
+            holds: "rgb: exposed light but for diffuse light",
+            ..light.target
+        };
+        let targets = [Some(light.target), split.then_some(other)];
+        let lights_added: Vec<_> = if folded {
+            Vec::new()
+        } else {
+            targets.iter().flatten().map(|t| add(t, options.keep_gbuffer, light_why.clone())).collect()
+        };
+        // What tells the light of surfaces from the background, and where fog begins.
+        let has_fog = needs.fog.is_some();
+        let by_depth = !light.has_alpha() && (has_fog || needs.background.is_some());
+        let positions: Vec<_> = {
+            let told = |tells| {
+                let targets = gbuffer.surface.iter().zip(&surface);
+                targets.filter(move |(t, _)| t.tells == tells).map(|(_, &r)| r)
+            };
+            let albedo = told(Tells::Albedo).filter(|_| split);
+            let read = depth.filter(|_| is_read).into_iter();
+            read.chain(told(Tells::Position)).filter(|_| has_fog || by_depth).chain(albedo).collect()
+        };
+        if folded && light_read && (has_fog || needs.background.is_some()) {
+            // The layouts that do not say it otherwise read it from depth.
+            for &r in &surface {
+                if resources[r].name == "depth" {
+                    resources[r].clear = Some([0.0; 4]);
+                }
             }
-            if needs.fog.is_some() || needs.background.is_some() {
-                resources[light].holds = Self::LIGHT_AND_BACKGROUND;
+        }
+        if !folded {
+            for &r in &positions {
+                let why = if has_fog { ", and tonemap for fog" } else { ", and tonemap" };
+                resources[r].why += why;
+                if by_depth {
+                    resources[r].clear = Some([0.0; 4]);
+                }
+            }
+            if let Some(&last) = lights_added.last()
+                && light.has_alpha()
+                && (has_fog || needs.background.is_some())
+            {
+                resources[last].holds = Self::LIGHT_AND_BACKGROUND;
             }
         }
 
-        let written = surface.iter().chain(&light).map(|&r| (r, Use::Write));
+        let written = surface.iter().chain(&lights_added).map(|&r| (r, Use::Write));
         let geometry = Stage {
             name: "geometry",
             uses: written.chain(depth_uses).collect(),
@@ -226,31 +294,37 @@ impl Frame {
         };
         let test = if way == LightWay::Stencil { Use::Stencil } else { Use::DepthTest };
         let test = depth.filter(|_| one_by_one).map(|depth| (depth, test));
-        let read = surface.iter().map(|&r| (r, Use::Read)).chain(test);
+        let depth_read = depth.filter(|_| is_read);
+        let read = depth_read.iter().chain(&surface).map(|&r| (r, Use::Read)).chain(test);
+        let adds = |r: &usize| (*r, Use::Blend);
         let lighting = Stage {
             name: "lighting",
-            uses: match light {
-                Some(light) => std::iter::once((light, Use::Blend)).chain(read).collect(),
-                None => std::iter::once((Self::OUTPUT, Use::Write)).chain(read).collect(),
+            uses: match folded {
+                false => lights_added.iter().map(adds).chain(read).collect(),
+                true => std::iter::once((Self::OUTPUT, Use::Write)).chain(read).collect(),
             },
             why: format!(
                 "{}{}{}",
                 lights(),
                 if one_by_one { ", each where its volume is" } else { "" },
-                if folded { "; applies the tone curve too, since no light is summed before it" } else { "" }
+                match (folded, light_read) {
+                    (true, true) => "; applies the tone curve too, since it is the only one to add light",
+                    (true, false) => {
+                        "; applies the tone curve too, since no light is summed before it"
+                    }
+                    (false, _) => "",
+                }
             ),
         };
-        let tonemap = light.map(|light| Stage {
+        let tonemap = (!folded).then(|| Stage {
             name: "tonemap",
-            uses: [(Self::OUTPUT, Use::Write), (light, Use::Read)]
-                .into_iter()
-                .chain(needs.fog.map(|_| (surface[Layout::DEPTH], Use::Read)))
+            uses: std::iter::once((Self::OUTPUT, Use::Write))
+                .chain(lights_added.iter().chain(&positions).map(|&r| (r, Use::Read)))
                 .collect(),
-            why: match needs.fog {
-                Some(_) => {
-                    "light from several stages was summed; fog goes by the depth of what sent it".into()
-                }
-                None => "light from several stages was summed".into(),
+            why: if has_fog {
+                "light from several stages was summed; fog goes by the depth of what sent it".into()
+            } else {
+                "light from several stages was summed".into()
             },
         });
         stages.extend([geometry, lighting].into_iter().chain(tonemap));
@@ -264,4 +338,10 @@ impl Frame {
         let last = self.stages.iter().rposition(uses).unwrap_or(0);
         (first, if self.resources[resource].kept { self.stages.len() - 1 } else { last })
     }
+}
+
+/// Where light is added, and whether diffuse light apart. A layout that has no such place gets half floats where a way needs one
+/// all the same.
+pub fn added_light(gbuffer: &GBuffer, one_by_one: bool) -> (LightTarget, bool) {
+    gbuffer.added_light(one_by_one).unwrap_or((LightTarget::new(super::LightFormat::Rgba16f), false))
 }

@@ -97,14 +97,14 @@ fn check_dependencies(
                 }
                 for (a, b) in uses_in(i).into_iter().flat_map(|a| uses_in(j).into_iter().map(move |b| (a, b)))
                 {
-                    let mut after = Access::of(b);
+                    let mut after = Access::of(&[b]);
                     if is_last {
-                        after.insert(Access::store(matches!(b, Use::Depth | Use::DepthTest | Use::Stencil)));
+                        after.insert(Access::store(frame.resources[place[0]].format.is_depth()));
                     }
                     let covered = pass.dependencies.iter().any(|d| {
                         (d.from, d.to) == (Some(i), Some(j))
                             && d.by_region
-                            && d.before.is_superset(&Access::of(a))
+                            && d.before.is_superset(&Access::of(&[a]))
                             && d.after.is_superset(&after)
                     });
                     if !covered {
@@ -143,10 +143,15 @@ prop_compose! {
             all.push(resource(format, clear || is_depth, kept && how[1] % 4 == 0));
             for stage in start..stages {
                 let first = stage == start;
-                let how = match how[stage] % 4 {
+                let how = match how[stage] % 6 {
                     1 if is_depth && !first => Use::DepthTest,
                     2 if is_depth && !first => continue,
                     3 if is_depth && !first => Use::Stencil,
+                    4 if is_depth && !first => Use::Read,
+                    5 if is_depth && !first => {
+                        uses.entry(stage).or_default().push((r, Use::Read));
+                        Use::DepthTest
+                    }
                     _ if is_depth => Use::Depth,
                     _ if first && !clear => Use::Write,
                     0 if !first => Use::Read,

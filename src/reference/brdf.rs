@@ -56,6 +56,12 @@ pub fn f_schlick(f0: DVec3, v_dot_h: f64) -> DVec3 {
 ///
 /// glTF 2.0 appendix B.2: dielectric (diffuse under a coat) and metal, mixed by metallicness.
 pub fn brdf(surface: &Attributes, n: DVec3, v: DVec3, l: DVec3) -> DVec3 {
+    let (diffuse, specular) = brdf_parts(surface, n, v, l);
+    surface.diffuse() * diffuse + specular
+}
+
+/// The BRDF as what diffuse albedo multiplies, and the rest.
+pub fn brdf_parts(surface: &Attributes, n: DVec3, v: DVec3, l: DVec3) -> (f64, DVec3) {
     let h = (v + l).normalize_or_zero();
     let alpha = alpha_from_roughness(surface.roughness);
     let n_dot_v = n.dot(v).max(MIN_N_DOT_V);
@@ -63,11 +69,13 @@ pub fn brdf(surface: &Attributes, n: DVec3, v: DVec3, l: DVec3) -> DVec3 {
     let v_dot_h = v.dot(h).clamp(0.0, 1.0);
 
     let d = d_ggx(n.dot(h).clamp(0.0, 1.0), n.cross(h), alpha);
-    let specular = DVec3::splat(d * v_smith_correlated(n_dot_l, n_dot_v, alpha));
-    let diffuse = surface.base_color * FRAC_1_PI;
-    let dielectric = diffuse + (specular - diffuse) * f_schlick(DVec3::splat(DIELECTRIC_F0), v_dot_h);
-    let metal = specular * f_schlick(surface.base_color, v_dot_h);
-    dielectric.lerp(metal, surface.metallic)
+    let specular = d * v_smith_correlated(n_dot_l, n_dot_v, alpha);
+    let coat = f_schlick(DVec3::splat(DIELECTRIC_F0), v_dot_h);
+    let fresnel = match surface.reflectance {
+        Some(f0) => f_schlick(f0, v_dot_h),
+        None => coat.lerp(f_schlick(surface.base_color, v_dot_h), surface.metallic),
+    };
+    (FRAC_1_PI * (1.0 - coat.x), fresnel * specular)
 }
 
 #[cfg(test)]

@@ -9,13 +9,13 @@ use super::around::{Around, Method};
 use super::fog::fogged;
 use super::gbuffer::{Attributes, attributes, interpolate};
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
-use super::shade::reflected;
+use super::shade::reflected_parts;
 use super::shadow::Occlusion;
 use super::tonemap::tonemap;
 use super::view::{Ray, View, Window};
 use super::visibility::{Hit, Visibility};
 use crate::environment::TexelFormat;
-use crate::plan::{Layout, Tonemap};
+use crate::plan::{Format, GBuffer, LightPlace, Tonemap};
 use crate::scene::{Background, Camera, Scene};
 
 /// What is computed.
@@ -29,8 +29,8 @@ pub struct Settings {
     pub exposure_ev: f64,
     /// From exposed light to the display.
     pub tonemap: Tonemap,
-    /// Formats that the surface passes through; `None` keeps f64.
-    pub layout: Option<Layout>,
+    /// What the surface passes through; `None` keeps f64.
+    pub gbuffer: Option<GBuffer>,
     /// Whether light passes through the layout's light target too. Without one, lighting and tonemap are folded.
     pub light_target: bool,
     /// What exposed light is multiplied by in the light target.
@@ -50,7 +50,7 @@ impl Default for Settings {
             window: None,
             exposure_ev: 0.0,
             tonemap: Tonemap::Neutral,
-            layout: None,
+            gbuffer: None,
             light_target: false,
             light_scale: 1.0,
             shadows: true,
@@ -73,9 +73,18 @@ impl Settings {
         self.exposure_ev.exp2()
     }
 
-    /// The layout whose light target is used, if one is.
-    fn light_layout(&self) -> Option<Layout> {
-        self.layout.filter(|_| self.light_target)
+    /// The light target, if one is used: its format, and whether diffuse light has one of its own.
+    fn added_light(&self) -> Option<(Format, bool)> {
+        match self.gbuffer.as_ref()?.light {
+            LightPlace::Added { sum, split, .. } if self.light_target => Some((sum.target.format, split)),
+            _ => None,
+        }
+    }
+
+    /// Whether light that is not reflected passes through a format.
+    fn stores_prelit(&self) -> bool {
+        let read = |gbuffer: &GBuffer| matches!(gbuffer.light, LightPlace::Read(_));
+        self.added_light().is_some() || self.gbuffer.as_ref().is_some_and(read)
     }
 }
 
@@ -176,29 +185,29 @@ impl<'a> Tracer<'a> {
                     }
                     Background::Black | Background::Color(_) => DVec3::ZERO,
                 };
-                return Pixel { edge, ..finish(scene, &view, settings, None, Attributes::default(), sky) };
+                return Pixel {
+                    edge,
+                    ..finish(scene, (&view, [x, y]), settings, None, Attributes::default(), sky)
+                };
             };
             let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
             let exact = attributes(visibility, around, &view, position_world, hit);
             let light_factor = settings.exposure() * settings.light_scale;
-            let surface = match settings.layout {
-                Some(layout) => quantise(layout, &exact, &view, [x, y], light_factor),
+            let surface = match &settings.gbuffer {
+                Some(gbuffer) => quantise(gbuffer, &exact, &view, [x, y], light_factor),
                 None => exact,
             };
-            // Without a light target, light that is not reflected does not pass through any format.
-            let prelit = if settings.light_layout().is_some() { surface.prelit } else { exact.prelit };
-            Pixel {
-                edge,
-                ..finish(scene, &view, settings, occlusion, Attributes { prelit, ..surface }, prelit)
-            }
+            let prelit = if settings.stores_prelit() { surface.prelit } else { exact.prelit };
+            let surface = Attributes { prelit, ..surface };
+            Pixel { edge, ..finish(scene, (&view, [x, y]), settings, occlusion, surface, prelit) }
         });
         Frame { size: settings.size, pixels: pixels.collect() }
     }
 }
 
 /// Shades a G-buffer that a renderer wrote, rows from the top: what its lighting and tonemap should have made of
-/// it, whatever its rasteriser and its texture filter did. `settings.layout` says which layout it is in (`None`
-/// counts as `exact`); positions follow from depth; [`Stored::light`] counts only with a light target, and is
+/// it, whatever its rasteriser and its texture filter did. `settings.gbuffer` says what it is (`None`
+/// counts as `exact`); [`Stored::light`] counts only with a light target, and is
 /// what geometry wrote, before any light was added. [`Pixel::edge`] is always false.
 ///
 /// # Panics
@@ -207,7 +216,8 @@ pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffe
     let view = settings.view(camera);
     let [width, height] = settings.size;
     assert_eq!(gbuffer.len(), (width * height) as usize, "one element a pixel");
-    let layout = settings.layout.unwrap_or(Layout::Exact);
+    let exact = GBuffer::exact();
+    let layout = settings.gbuffer.as_ref().unwrap_or(&exact);
     let cast = settings.shadows && scene.lights.iter().any(|light| light.shadow.is_some());
     let visibility = cast.then(|| Visibility::new(scene));
     let occlusion = visibility.as_ref().map(|visibility| Occlusion::new(scene, visibility));
@@ -217,15 +227,16 @@ pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffe
         let light = if settings.light_target { stored.light } else { DVec3::ZERO };
         let surface = decode(layout, &Stored { light, ..*stored }, &view, pixel, light_factor);
         let prelit = surface.prelit;
-        finish(scene, &view, settings, occlusion.as_ref(), surface, prelit)
+        finish(scene, (&view, pixel), settings, occlusion.as_ref(), surface, prelit)
     });
     Frame { size: settings.size, pixels: pixels.collect() }
 }
 
-/// Adds the lights' reflection to `prelit`, then fog, and applies the curve.
+/// Adds the lights' reflection to `prelit`, then fog, and applies the curve. The viewer is where the pixel's ray comes from, also
+/// where a stored position is beside it.
 fn finish(
     scene: &Scene,
-    view: &View,
+    (view, pixel): (&View, [u32; 2]),
     settings: &Settings,
     occlusion: Option<&Occlusion>,
     attributes: Attributes,
@@ -239,15 +250,21 @@ fn finish(
         shadowed.update(|bits| bits | u64::from(hides).unbounded_shl(light as u32));
         hides
     };
-    let to_viewer = view.to_viewer(attributes.position_world);
-    let reflected = reflected(&attributes, to_viewer, scene, hidden);
-    let linear = match settings.light_layout() {
-        Some(layout) => {
-            let factor = settings.exposure() * settings.light_scale;
-            let stored = store_light(layout, prelit * factor);
-            blend_light(layout, stored, reflected * factor) / settings.light_scale
+    let to_viewer = -view.ray_through_pixel(pixel).direction.normalize();
+    let [diffuse, specular] = reflected_parts(&attributes, to_viewer, scene, hidden);
+    let factor = settings.exposure() * settings.light_scale;
+    let linear = match settings.added_light() {
+        Some((format, true)) => {
+            let diffuse = blend_light(format, DVec3::ZERO, diffuse * factor) * attributes.diffuse();
+            let other = store_light(format, prelit * factor);
+            (diffuse + blend_light(format, other, specular * factor)) / settings.light_scale
         }
-        None => (prelit + reflected) * settings.exposure(),
+        Some((format, false)) => {
+            let reflected = diffuse * attributes.diffuse() + specular;
+            blend_light(format, store_light(format, prelit * factor), reflected * factor)
+                / settings.light_scale
+        }
+        None => (prelit + diffuse * attributes.diffuse() + specular) * settings.exposure(),
     };
     let covered = attributes.depth > 0.0;
     let linear = match &scene.fog {

@@ -25,6 +25,9 @@ pub struct Attributes {
     pub base_color: DVec3,
     /// 0 dielectric to 1 metal.
     pub metallic: f64,
+    /// Reflectance at normal incidence where it was stored by itself, and the base colour is all diffuse (specular workflow);
+    /// else it follows from base colour and metallicness.
+    pub reflectance: Option<DVec3>,
     /// Light that needs no light source, in cd/m² before exposure: emission and ambient light, or an unlit
     /// material's base colour.
     pub prelit: DVec3,
@@ -186,6 +189,7 @@ pub fn attributes(
         roughness: f64::from(material.roughness_factor) * metallic_roughness.y,
         base_color,
         metallic: f64::from(material.metallic_factor) * metallic_roughness.z,
+        reflectance: None,
         prelit: DVec3::ZERO,
     };
     let emission = emission(visibility, hit, &surface);

@@ -1,225 +1,404 @@
-//! What a G-buffer layout's formats leave of a surface.
+//! What a G-buffer's formats leave of a surface.
 //!
 //! [`encode`] gives the values that a stage reads back from the attachments, [`decode`] turns them into a surface
-//! again: the counterparts of `gbuffer_write` and `gbuffer_read`. Conversions are those of Vulkan 1.3 chapter 3,
-//! "Fixed-Point Data Conversion", rounding to the nearest code.
+//! again: the counterparts of `gbuffer_write` and `gbuffer_read`.
 
-use glam::{DVec3, DVec4};
+pub mod formats;
+pub mod normals;
 
+#[cfg(test)]
+mod tests;
+
+use glam::{DVec2, DVec3, DVec4};
+
+use self::formats::{b10g11r11, e5b9g9r9, float32, half, srgb8, unorm};
+use self::normals::{direction_from_octahedral_codes, octahedral_codes, world_from_view};
 use super::gbuffer::Attributes;
-use super::texture::{linear_from_srgb, srgb_from_linear};
 use super::view::View;
-use crate::plan::Layout;
+use crate::plan::{DepthStore, Form, Format, GBuffer, Gamma, LightPlace};
 
-/// The G-buffer's channels as an input attachment returns them: UNORM in \[0, 1\], sRGB decoded.
+/// The G-buffer's channels as an input attachment returns them: UNORM in \[0, 1\], sRGB decoded, words as they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stored {
-    /// Reversed depth.
+    /// Reversed depth, where the form has it.
     pub depth: f64,
-    /// Normal as the layout biases it, roughness. All zero where not lit.
-    pub normal_roughness: DVec4,
-    /// Base colour, metallicness.
-    pub base_color_metallic: DVec4,
+    /// The other surface targets in order, then the target of light that lighting reads, if it has one of its own.
+    pub targets: [DVec4; 4],
     /// What geometry wrote to the light target: light before exposure times `exposure * light_scale`.
     pub light: DVec3,
 }
 
-/// The nearest value that `bits` bits of UNORM can hold.
-pub fn unorm(value: f64, bits: u32) -> f64 {
-    let steps = f64::from((1_u32 << bits) - 1);
-    (value.clamp(0.0, 1.0) * steps).round() / steps
-}
+/// The highlight of Thibieroz' shading pass: the Blinn-Phong exponent 8 as roughness, alpha² = 2 / (8 + 2) (Walter et al.
+/// 2007, section 5.2).
+const THIBIEROZ_ROUGHNESS: f64 = 0.668_740;
 
-/// The linear value of the nearest 8-bit sRGB code.
-pub fn srgb8(value: f64) -> f64 {
-    linear_from_srgb(unorm(srgb_from_linear(value.clamp(0.0, 1.0)), 8))
-}
-
-/// The nearest f32.
-fn float32(value: f64) -> f64 {
-    f64::from(value as f32)
-}
+/// Reflectance at normal incidence of the dielectrics that a metallic workflow has (glTF 2.0, B.2.1).
+const DIELECTRIC_F0: f64 = 0.04;
 
 fn each(v: DVec3, f: impl Fn(f64) -> f64) -> DVec3 {
     DVec3::new(f(v.x), f(v.y), f(v.z))
 }
 
-/// What a layout's light target holds of a value: 10 bits of \[0, 1\], or f32.
-pub fn store_light(layout: Layout, scaled: DVec3) -> DVec3 {
-    match layout {
-        Layout::Metallic128 => each(scaled, |x| unorm(x, 10)),
-        Layout::Exact => each(scaled, float32),
+fn each4(v: DVec4, f: impl Fn(f64) -> f64) -> DVec4 {
+    v.to_array().map(f).into()
+}
+
+/// What a light target of this format holds of a value.
+pub fn store_light(format: Format, scaled: DVec3) -> DVec3 {
+    match format {
+        Format::Rgb10a2Unorm => each(scaled, |x| unorm(x, 10)),
+        Format::B10g11r11Float => b10g11r11(scaled),
+        Format::Rgba16Float => each(scaled, half),
+        _ => each(scaled, float32),
     }
 }
 
 /// What the light target holds after fixed-function addition of `added`. As Vulkan defines blending for UNORM,
 /// the source is clamped, the sum formed, and the result rounded once.
-pub fn blend_light(layout: Layout, stored: DVec3, added: DVec3) -> DVec3 {
-    let source = match layout {
-        Layout::Metallic128 => added.clamp(DVec3::ZERO, DVec3::ONE),
-        Layout::Exact => each(added, float32),
+pub fn blend_light(format: Format, stored: DVec3, added: DVec3) -> DVec3 {
+    let source = match format {
+        Format::Rgb10a2Unorm => added.clamp(DVec3::ZERO, DVec3::ONE),
+        _ => each(added, float32),
     };
-    store_light(layout, stored + source)
+    store_light(format, stored + source)
 }
 
-/// Writes a surface into a layout's formats. `light_factor` is `exposure * light_scale`.
-pub fn encode(layout: Layout, attributes: &Attributes, light_factor: f64) -> Stored {
-    let (base, metallic) = (attributes.base_color, attributes.metallic);
-    let (normal, roughness) = (attributes.normal_world, attributes.roughness);
-    let (normal_roughness, base_color_metallic) = match layout {
-        Layout::Metallic128 => (
-            each(normal * 0.5 + 0.5, |x| unorm(x, 8)).extend(unorm(roughness, 8)),
-            each(base, srgb8).extend(unorm(metallic, 8)),
-        ),
-        Layout::Exact => {
-            (each(normal, float32).extend(float32(roughness)), each(base, float32).extend(float32(metallic)))
-        }
-    };
-    Stored {
-        depth: float32(attributes.depth),
-        normal_roughness: if attributes.lit { normal_roughness } else { DVec4::ZERO },
-        base_color_metallic,
-        light: store_light(layout, attributes.prelit * light_factor),
+/// Depth as it is stored.
+pub fn store_depth(depth: DepthStore, value: f64) -> f64 {
+    match depth {
+        DepthStore::R32f | DepthStore::D32 => float32(value),
+        DepthStore::D24 => unorm(value, 24),
+        DepthStore::D16 => unorm(value, 16),
     }
 }
 
-/// Reads a surface back at a pixel of `view`; its position follows from depth. `light_factor` as in [`encode`].
+/// A colour after its target.
+pub fn store_color(gamma: Gamma, linear: DVec3) -> DVec3 {
+    let power = |g: f64| each(linear, |x| unorm(x.max(0.0).powf(1.0 / g), 8));
+    match gamma {
+        Gamma::Srgb => each(linear, srgb8),
+        Gamma::Power22 => power(2.2),
+        Gamma::Power20 => power(2.0),
+        Gamma::Linear => each(linear, |x| unorm(x, 8)),
+        Gamma::Float => each(linear, float32),
+    }
+}
+
+/// A stored colour as light.
+pub fn load_color(gamma: Gamma, stored: DVec3) -> DVec3 {
+    match gamma {
+        Gamma::Srgb | Gamma::Linear | Gamma::Float => stored,
+        Gamma::Power22 => each(stored, |x| x.powf(2.2)),
+        Gamma::Power20 => stored * stored,
+    }
+}
+
+/// A number beside a colour.
+fn store_beside(gamma: Gamma, value: f64) -> f64 {
+    if gamma == Gamma::Float { float32(value) } else { unorm(value, 8) }
+}
+
+/// Writes a surface into a G-buffer's formats. `light_factor` is `exposure * light_scale`.
+pub fn encode(gbuffer: &GBuffer, attributes: &Attributes, view: &View, light_factor: f64) -> Stored {
+    let (base, metallic) = (attributes.base_color, attributes.metallic);
+    let (normal, roughness, lit) = (attributes.normal_world, attributes.roughness, attributes.lit);
+    let (gamma, position) = (gbuffer.gamma, attributes.position_world);
+    let covered = attributes.depth > 0.0;
+    let scaled = attributes.prelit * light_factor;
+    let (diffuse, f0) = (attributes.diffuse(), attributes.f0());
+    let colored = |color, beside| store_color(gamma, color).extend(store_beside(gamma, beside));
+    let if_lit = |target: DVec4| if lit { target } else { DVec4::ZERO };
+    let normal_roughness = || if_lit(normals::encode(gbuffer.normals, normal, roughness, view));
+    let view_from_world = world_from_view(view).transpose();
+    let place = |p: DVec3, beside: f64| if covered { each4(p.extend(beside), half) } else { DVec4::ZERO };
+    let [a, b, c, d] = match gbuffer.form {
+        Form::Metallic => [normal_roughness(), colored(base, metallic), DVec4::ZERO, DVec4::ZERO],
+        Form::Specular => [normal_roughness(), colored(diffuse, 0.0), colored(f0, 0.0), DVec4::ZERO],
+        Form::Thibieroz128 => {
+            let normal = each(normal * 0.5 + 0.5, |x| unorm(x, 10)).extend(1.0);
+            [place(position, roughness), if_lit(normal), colored(base, metallic), DVec4::ZERO]
+        }
+        Form::Thibieroz96 => {
+            let n = if lit { each(normal * 0.5 + 0.5, |x| unorm(x, 8)) } else { DVec3::ZERO };
+            let [x, y, z, _] = place(position, 0.0).to_array();
+            let xy = DVec4::new(x, y, 0.0, 0.0);
+            [xy, DVec4::X * z, colored(base, n.z), DVec4::new(n.x, n.y, 0.0, 0.0)]
+        }
+        Form::Rasa128 => {
+            let n = view_from_world * normal * 0.5 + 0.5;
+            let normal = DVec4::new(unorm(n.x, 8), unorm(n.y, 8), unorm(roughness, 8), 1.0);
+            [if_lit(normal), colored(diffuse, 0.0), colored(f0, 0.0), DVec4::ZERO]
+        }
+        Form::Dissertation192 => {
+            let position = view_from_world * (position - view.position_world);
+            let normal = each4((view_from_world * normal).extend(1.0), half);
+            [place(position, roughness), if_lit(normal), each4(base.extend(metallic), half), DVec4::ZERO]
+        }
+        Form::Metallic256 | Form::Specular256 => {
+            let words = if covered { words256(gbuffer.form, attributes, scaled) } else { [0; 8] };
+            let four = |at: usize| DVec4::from_array(std::array::from_fn(|k| f64::from(words[at + k])));
+            [four(0), four(4), DVec4::ZERO, DVec4::ZERO]
+        }
+        Form::Packed128 => {
+            let n = if lit { octahedral_codes(normal, 12) } else { DVec2::ZERO };
+            let code = |value: f64, bits: u32| (unorm(value, bits) * f64::from((1_u32 << bits) - 1)) as u32;
+            let root = each(base.clamp(DVec3::ZERO, DVec3::ONE), f64::sqrt);
+            let first = n.x as u32 | (n.y as u32) << 12 | code(roughness, 8) << 24;
+            let second = code(root.x, 9) | code(root.y, 10) << 9 | code(root.z, 9) << 19;
+            let second = second | code(metallic, 4) << 28;
+            let surface = DVec4::new(f64::from(first), f64::from(second), 0.0, 0.0);
+            [surface, DVec4::X * f64::from(word_of(e5b9g9r9(scaled))), DVec4::ZERO, DVec4::ZERO]
+        }
+    };
+    Stored {
+        depth: if gbuffer.form.has_depth() { store_depth(gbuffer.depth, attributes.depth) } else { 0.0 },
+        targets: [a, b, c, d],
+        light: match gbuffer.light {
+            LightPlace::Added { sum, .. } => store_light(sum.target.format, scaled),
+            LightPlace::Read(_) | LightPlace::Nowhere => DVec3::ZERO,
+        },
+    }
+}
+
+/// Reads a surface back at a pixel of `view`; without a stored position it follows from depth. `light_factor` as in
+/// [`encode`].
 pub fn decode(
-    layout: Layout,
+    gbuffer: &GBuffer,
     stored: &Stored,
     view: &View,
     pixel: [u32; 2],
     light_factor: f64,
 ) -> Attributes {
-    let covered = stored.depth > 0.0;
-    let distance = if covered { view.distance_from_depth(stored.depth) } else { 0.0 };
-    let prelit = stored.light / light_factor;
-    let base_color = stored.base_color_metallic.truncate();
-    let position_world = view.ray_through_pixel(pixel).at(distance);
-    let unlit =
-        Attributes { depth: stored.depth, position_world, base_color, prelit, ..Attributes::default() };
-    let channels = stored.normal_roughness.truncate();
-    if channels == DVec3::ZERO {
-        return unlit;
-    }
-    let normal_world = match layout {
-        // 8 bits do not keep the length.
-        Layout::Metallic128 => (channels * 2.0 - 1.0).normalize_or_zero(),
-        Layout::Exact => channels,
+    let gamma = gbuffer.gamma;
+    let [a, b, c, d] = stored.targets;
+    let world_from_view = world_from_view(view);
+    let read = match gbuffer.form {
+        Form::Metallic | Form::Specular => Read::at_depth(normals::decode(gbuffer.normals, a, view))
+            .colored(load_color(gamma, b.truncate()), b.w)
+            .specular((gbuffer.form == Form::Specular).then(|| load_color(gamma, c.truncate()))),
+        Form::Rasa128 => {
+            let xy = a.truncate().truncate() * 2.0 - 1.0;
+            let normal = (a.w > 0.0).then(|| (normals::in_view(xy, view), a.z));
+            Read::at_depth(normal)
+                .colored(load_color(gamma, b.truncate()), 0.0)
+                .specular(Some(load_color(gamma, c.truncate())))
+        }
+        Form::Packed128 => {
+            let [first, second] = [a.x as u32, a.y as u32];
+            let codes = DVec2::new(f64::from(first & 0xfff), f64::from(first >> 12 & 0xfff));
+            let value = |at: u32, bits: u32| {
+                let most = (1_u32 << bits) - 1;
+                f64::from(second >> at & most) / f64::from(most)
+            };
+            let normal = (codes != DVec2::ZERO)
+                .then(|| (direction_from_octahedral_codes(codes, 12), f64::from(first >> 24) / 255.0));
+            let root = DVec3::new(value(0, 9), value(9, 10), value(19, 9));
+            Read { light: Some(from_word(b.x as u32)), ..Read::at_depth(normal) }
+                .colored(root * root, value(28, 4))
+        }
+        Form::Thibieroz128 => {
+            let normal = (b.w > 0.0).then(|| ((b.truncate() * 2.0 - 1.0).normalize_or_zero(), a.w));
+            Read::at(a.truncate(), normal).colored(load_color(gamma, c.truncate()), c.w)
+        }
+        Form::Thibieroz96 => {
+            let normal = DVec3::new(d.x, d.y, c.w);
+            let normal = (normal != DVec3::ZERO)
+                .then(|| ((normal * 2.0 - 1.0).normalize_or_zero(), THIBIEROZ_ROUGHNESS));
+            Read::at(DVec3::new(a.x, a.y, b.x), normal).colored(load_color(gamma, c.truncate()), 0.0)
+        }
+        Form::Dissertation192 => {
+            let normal = (b.w > 0.0).then(|| (world_from_view * b.truncate().normalize_or_zero(), a.w));
+            let position = view.position_world + world_from_view * a.truncate();
+            Read::at(position, normal).colored(c.truncate(), c.w)
+        }
+        Form::Metallic256 | Form::Specular256 => {
+            let words = std::array::from_fn(|k| if k < 4 { a[k] as u32 } else { b[k - 4] as u32 });
+            read256(gbuffer.form, words)
+        }
     };
-    Attributes {
-        lit: true,
-        normal_world,
-        roughness: stored.normal_roughness.w,
-        metallic: stored.base_color_metallic.w,
-        ..unlit
+    let covered = match read.position {
+        Some(_) => stored.targets != [DVec4::ZERO; 4],
+        None => stored.depth > 0.0,
+    };
+    let position_world = match read.position {
+        Some(position) => position,
+        None => {
+            let distance = if covered { view.distance_from_depth(stored.depth) } else { 0.0 };
+            view.ray_through_pixel(pixel).at(distance)
+        }
+    };
+    let distance = (position_world - view.position_world).dot(view.forward_world);
+    let depth = match read.position {
+        Some(_) if covered => view.depth_from_distance(distance),
+        Some(_) => 0.0,
+        None => stored.depth,
+    };
+    let prelit = read.light.unwrap_or(stored.light) / light_factor;
+    let surface =
+        Attributes { depth, position_world, base_color: read.color, prelit, ..Attributes::default() };
+    match read.normal {
+        None => surface,
+        Some((normal_world, roughness)) => Attributes {
+            lit: true,
+            normal_world,
+            roughness,
+            metallic: read.metallic,
+            reflectance: read.reflectance,
+            ..surface
+        },
     }
 }
 
-/// A surface after a layout's formats: [`decode`] of [`encode`].
+/// What is read of a surface.
+#[derive(Clone, Copy, Default)]
+struct Read {
+    /// World space, if it is stored.
+    position: Option<DVec3>,
+    /// Direction and roughness; `None`: not lit.
+    normal: Option<(DVec3, f64)>,
+    color: DVec3,
+    metallic: f64,
+    reflectance: Option<DVec3>,
+    /// Scaled light, if it is among the targets.
+    light: Option<DVec3>,
+}
+
+impl Read {
+    fn at_depth(normal: Option<(DVec3, f64)>) -> Self {
+        Self { normal, ..Self::default() }
+    }
+
+    fn at(position: DVec3, normal: Option<(DVec3, f64)>) -> Self {
+        Self { position: Some(position), normal, ..Self::default() }
+    }
+
+    fn colored(self, color: DVec3, metallic: f64) -> Self {
+        Self { color, metallic, ..self }
+    }
+
+    fn specular(self, reflectance: Option<DVec3>) -> Self {
+        match reflectance {
+            Some(_) => Self { reflectance, metallic: 0.0, ..self },
+            None => self,
+        }
+    }
+}
+
+/// A pair of half floats in a word, the first in the low bits.
+fn halves(low: f64, high: f64) -> u32 {
+    half_bits(low) | half_bits(high) << 16
+}
+
+fn half_bits(value: f64) -> u32 {
+    let value = half(value);
+    let sign = if value.is_sign_negative() { 0x8000 } else { 0 };
+    sign | float_bits(value.abs(), 10)
+}
+
+/// The bits of a value that a float of five bits of exponent holds.
+fn float_bits(value: f64, mantissa_bits: i32) -> u32 {
+    let exponent = (value.max(f64::MIN_POSITIVE).log2().floor() as i32).max(-14);
+    let steps = value * f64::from(mantissa_bits - exponent).exp2();
+    // Carries into the exponent by itself; subnormals have none.
+    (((exponent + 14) as u32) << mantissa_bits) + steps as u32
+}
+
+fn float_from_bits(bits: u32, mantissa_bits: u32) -> f64 {
+    let mantissa = f64::from(bits & ((1 << mantissa_bits) - 1));
+    let exponent = (bits >> mantissa_bits & 0x1f) as i32;
+    let one = if exponent == 0 { 0.0 } else { f64::from(1_u32 << mantissa_bits) };
+    (mantissa + one) * f64::from(exponent.max(1) - 15 - mantissa_bits as i32).exp2()
+}
+
+fn halves_in(word: u32) -> DVec2 {
+    let half = |bits: u32| if bits & 0x8000 != 0 { -1.0 } else { 1.0 } * float_from_bits(bits, 10);
+    DVec2::new(half(word & 0xffff), half(word >> 16))
+}
+
+fn b10g11r11_word(v: DVec3) -> u32 {
+    let v = b10g11r11(v);
+    float_bits(v.x, 6) | float_bits(v.y, 6) << 11 | float_bits(v.z, 5) << 22
+}
+
+fn from_b10g11r11_word(word: u32) -> DVec3 {
+    DVec3::new(
+        float_from_bits(word & 0x7ff, 6),
+        float_from_bits(word >> 11 & 0x7ff, 6),
+        float_from_bits(word >> 22, 5),
+    )
+}
+
+/// The E5B9G9R9 word of a value that such a word can hold.
+fn word_of(v: DVec3) -> u32 {
+    let largest = v.max_element();
+    let exponent = (largest.max(f64::MIN_POSITIVE).log2().floor() as i32).max(-16) + 16;
+    let [r, g, b] = v.to_array().map(|x| (x * f64::from(24 - exponent).exp2()) as u32);
+    r | g << 9 | b << 18 | (exponent as u32) << 27
+}
+
+fn from_word(word: u32) -> DVec3 {
+    let step = (f64::from(word >> 27) - 24.0).exp2();
+    DVec3::from_array([0, 9, 18].map(|at| f64::from(word >> at & 511) * step))
+}
+
+/// The words of Smith and Einig 2015, listings 2.7 and 2.8.
+fn words256(form: Form, surface: &Attributes, light: DVec3) -> [u32; 8] {
+    let position = surface.position_world.to_array().map(|x| (x as f32).to_bits());
+    let light_rg = halves(light.x, light.y);
+    let [x, y, z] = position;
+    if form == Form::Metallic256 {
+        let n = if surface.lit { surface.normal_world } else { DVec3::ZERO };
+        let covered = 0x8000;
+        let roughness_metallic = halves(surface.roughness, surface.metallic) | covered;
+        let (first, second) = (halves(light.z, n.x), halves(n.y, n.z));
+        return [x, y, z, light_rg, first, second, roughness_metallic, b10g11r11_word(surface.base_color)];
+    }
+    let normal = if surface.lit { b10g11r11_word(surface.normal_world * 0.5 + 0.5) } else { 0 };
+    let covered = 0x8000_0000;
+    let light_b = halves(light.z, surface.roughness) | covered;
+    let [diffuse, f0] = [surface.diffuse(), surface.f0()].map(b10g11r11_word);
+    [x, y, z, light_rg, light_b, normal, diffuse, f0]
+}
+
+fn read256(form: Form, words: [u32; 8]) -> Read {
+    let position = DVec3::from_array([0, 1, 2].map(|k| f64::from(f32::from_bits(words[k]))));
+    let light = halves_in(words[3]).extend(halves_in(words[4]).x);
+    if form == Form::Metallic256 {
+        let yz = halves_in(words[5]);
+        let normal = DVec3::new(halves_in(words[4]).y, yz.x, yz.y);
+        let roughness_metallic = halves_in(words[6]).abs();
+        let normal = (normal != DVec3::ZERO).then(|| (normal.normalize_or_zero(), roughness_metallic.x));
+        return Read { light: Some(light), ..Read::at(position, normal) }
+            .colored(from_b10g11r11_word(words[7]), roughness_metallic.y);
+    }
+    let normal = (words[5] != 0).then(|| {
+        let normal = from_b10g11r11_word(words[5]) * 2.0 - 1.0;
+        (normal.normalize_or_zero(), halves_in(words[4]).y.abs())
+    });
+    Read { light: Some(light), ..Read::at(position, normal) }
+        .colored(from_b10g11r11_word(words[6]), 0.0)
+        .specular(Some(from_b10g11r11_word(words[7])))
+}
+
+/// A surface after a G-buffer's formats: [`decode`] of [`encode`].
 pub fn quantise(
-    layout: Layout,
+    gbuffer: &GBuffer,
     attributes: &Attributes,
     view: &View,
     pixel: [u32; 2],
     light_factor: f64,
 ) -> Attributes {
-    decode(layout, &encode(layout, attributes, light_factor), view, pixel, light_factor)
+    decode(gbuffer, &encode(gbuffer, attributes, view, light_factor), view, pixel, light_factor)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::reference::testing::{camera_at, direction, perspective};
-    use glam::Vec3;
-
-    fn view() -> View {
-        View::new(
-            &camera_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, perspective(0.8, 0.1, Some(100.0))),
-            [64, 64],
-        )
+impl Attributes {
+    /// Diffuse albedo under a dielectric's coat: 0 of a metal.
+    pub fn diffuse(&self) -> DVec3 {
+        self.base_color * (1.0 - self.metallic)
     }
 
-    fn surface(view: &View, pixel: [u32; 2]) -> Attributes {
-        Attributes {
-            lit: true,
-            depth: view.depth_from_distance(4.2),
-            position_world: view.ray_through_pixel(pixel).at(4.2),
-            normal_world: direction(0.7, 1.1),
-            roughness: 0.333,
-            base_color: DVec3::new(0.01, 0.25, 0.9),
-            metallic: 0.6,
-            prelit: DVec3::new(0.1, 0.2, 0.05),
-        }
-    }
-
-    #[test]
-    fn codes_are_vulkans() {
-        assert_eq!(unorm(0.5, 8), 128.0 / 255.0);
-        assert_eq!(unorm(1.7, 10), 1.0);
-        assert_eq!(unorm(-1.0, 10), 0.0);
-        assert_eq!(unorm(0.499 / 1023.0, 10), 0.0);
-        assert_eq!(unorm(0.501 / 1023.0, 10), 1.0 / 1023.0);
-        // Mid grey of 18 % light is sRGB code 118 (117.7 by IEC 61966-2-1).
-        assert!((srgb_from_linear(srgb8(0.18)) * 255.0 - 118.0).abs() < 1e-6);
-    }
-
-    #[test]
-    fn metallic128_errs_by_half_a_step_at_most() {
-        let (view, pixel) = (view(), [10, 50]);
-        let exact = surface(&view, pixel);
-        let stored = quantise(Layout::Metallic128, &exact, &view, pixel, 1.0);
-        assert!((stored.roughness - exact.roughness).abs() <= 0.5 / 255.0);
-        assert!((stored.metallic - exact.metallic).abs() <= 0.5 / 255.0);
-        assert!((stored.prelit - exact.prelit).abs().max_element() <= 0.5 / 1023.0);
-        for k in 0..3 {
-            let encoded = |c: DVec3| srgb_from_linear(c[k]);
-            assert!((encoded(stored.base_color) - encoded(exact.base_color)).abs() <= 0.5 / 255.0 + 1e-12);
-        }
-        // Each axis is off by at most a step of 2/255, halved; the angle by at most 0.39 degrees.
-        let degrees = stored.normal_world.angle_between(exact.normal_world).to_degrees();
-        assert!(degrees > 1e-3 && degrees < 0.39, "{degrees}");
-        // Reversed f32 depth: a relative step of 2^-24 in depth is one in distance where the far plane is far.
-        let off = (stored.position_world - exact.position_world).length();
-        assert!(off > 0.0 && off < 4.2 * 2.0_f64.powi(-23), "{off}");
-    }
-
-    #[test]
-    fn exact_errs_by_a_float_step() {
-        let (view, pixel) = (view(), [33, 3]);
-        let exact = surface(&view, pixel);
-        let stored = quantise(Layout::Exact, &exact, &view, pixel, 4.0);
-        let step = 2.0_f64.powi(-23);
-        assert!((stored.normal_world - exact.normal_world).length() < step);
-        assert!((stored.base_color - exact.base_color).length() < step);
-        assert!((stored.prelit - exact.prelit).length() < step);
-        assert_ne!(stored.roughness, exact.roughness);
-        assert!((stored.roughness - exact.roughness).abs() < step);
-    }
-
-    #[test]
-    fn what_is_not_lit_reads_back_so() {
-        let view = view();
-        let unlit = Attributes { lit: false, ..surface(&view, [1, 1]) };
-        for &layout in Layout::ALL {
-            let stored = encode(layout, &unlit, 1.0);
-            assert_eq!(stored.normal_roughness, DVec4::ZERO);
-            assert!(stored.depth > 0.0);
-            assert!(!decode(layout, &stored, &view, [1, 1], 1.0).lit);
-            let background = encode(layout, &Attributes::default(), 1.0);
-            assert_eq!(background, Stored::default());
-        }
-    }
-
-    #[test]
-    fn the_light_target_saturates_and_rounds_once() {
-        let step = 1.0 / 1023.0;
-        let stored = store_light(Layout::Metallic128, DVec3::splat(10.0 * step));
-        // Two additions of 0.4 steps by one blend each are lost; one of 0.8 is not.
-        let blend = |s, x: f64| blend_light(Layout::Metallic128, s, DVec3::splat(x * step));
-        assert_eq!(blend(blend(stored, 0.4), 0.4), stored);
-        assert_eq!(blend(stored, 0.8), DVec3::splat(unorm(11.0 * step, 10)));
-        assert_eq!(blend(stored, 5000.0), DVec3::ONE);
-        assert_eq!(blend_light(Layout::Exact, DVec3::splat(0.5), DVec3::splat(5000.0)), DVec3::splat(5000.5));
+    /// Reflectance at normal incidence.
+    pub fn f0(&self) -> DVec3 {
+        self.reflectance.unwrap_or(DVec3::splat(DIELECTRIC_F0).lerp(self.base_color, self.metallic))
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_1_PI;
 
 use glam::DVec3;
 
-use super::brdf::brdf;
+use super::brdf::brdf_parts;
 use super::gbuffer::Attributes;
 use super::punctual::{diffuse_irradiance, incident};
 use crate::scene::Scene;
@@ -21,11 +21,21 @@ pub fn reflected(
     scene: &Scene,
     hidden: impl Fn(usize, DVec3) -> bool,
 ) -> DVec3 {
+    let [diffuse, specular] = reflected_parts(attributes, to_viewer, scene, hidden);
+    diffuse * attributes.diffuse() + specular
+}
+
+/// The same as what diffuse albedo multiplies, and the rest.
+pub fn reflected_parts(
+    attributes: &Attributes,
+    to_viewer: DVec3,
+    scene: &Scene,
+    hidden: impl Fn(usize, DVec3) -> bool,
+) -> [DVec3; 2] {
     if !attributes.lit {
-        return DVec3::ZERO;
+        return [DVec3::ZERO; 2];
     }
     let n = attributes.normal_world;
-    let lambert = attributes.base_color * (1.0 - attributes.metallic) * FRAC_1_PI;
     scene
         .lights
         .iter()
@@ -33,14 +43,16 @@ pub fn reflected(
         .filter(|(_, light)| !light.is_dark())
         .map(|(index, light)| {
             let incident = incident(light, &scene.images, attributes.position_world);
-            let diffuse = lambert * diffuse_irradiance(light, &incident, n);
+            let diffuse = diffuse_irradiance(light, &incident, n) * FRAC_1_PI;
             let n_dot_l = n.dot(incident.to_light);
             if n_dot_l <= 0.0 || incident.illuminance == DVec3::ZERO || hidden(index, incident.to_light) {
-                return diffuse;
+                return [diffuse, DVec3::ZERO];
             }
-            diffuse + brdf(attributes, n, to_viewer, incident.to_light) * incident.illuminance * n_dot_l
+            let (per_albedo, specular) = brdf_parts(attributes, n, to_viewer, incident.to_light);
+            let irradiance = incident.illuminance * n_dot_l;
+            [diffuse + irradiance * per_albedo, specular * irradiance]
         })
-        .sum()
+        .fold([DVec3::ZERO; 2], |[a, b], [c, d]| [a + c, b + d])
 }
 
 /// Exposed light towards the viewer: what the surface sends by itself and what it reflects, times `exposure`

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use ontile::environment::{Panorama, Prefiltered, TexelFormat, direction_from_uv};
 use ontile::glam::{DVec3, Quat, Vec3};
-use ontile::plan::{Layout, Options, Path};
+use ontile::plan::{Options, Path};
 use ontile::reference::around::Method;
 use ontile::reference::{Settings, render};
 use ontile::scene::{Environment, Light, Scene};
@@ -173,7 +173,7 @@ fn the_cost_of_looking_up_is_known() {
     for format in TexelFormat::ALL {
         let scene = without_lights(under_sky(scenes::materials(), &panorama, *format));
         let camera = &scene.cameras[0];
-        let settings = Settings { size: [128, 72], layout: None::<Layout>, ..Settings::default() };
+        let settings = Settings { size: [128, 72], gbuffer: None, ..Settings::default() };
         let found = render(&scene, camera, &settings);
         let integral = Settings { around: Method::Integral { samples: 256 }, ..settings };
         let truth = render(&scene, camera, &integral);

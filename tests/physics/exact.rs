@@ -1,7 +1,7 @@
 //! The `exact` layout's pictures against the reference's own, from visibility to tone curve.
 
 use ontile::glam::{Vec3, Vec3Swizzles};
-use ontile::plan::{Layout, Path, Tonemap};
+use ontile::plan::{GBuffer, Options, Path, Tonemap};
 use ontile::reference::{Settings, render};
 use ontile::scene::{Camera, GlobeMap, GlobePicture, LightKind, Scene};
 
@@ -112,7 +112,7 @@ const FAULTS: &[Fault] = &[
     }),
     ("exposure off by 0.01 EV", |_, settings| settings.exposure_ev += 0.01),
     ("another curve", |_, settings| settings.tonemap = Tonemap::Aces),
-    ("quantised", |_, settings| settings.layout = Some(Layout::Metallic128)),
+    ("quantised", |_, settings| settings.gbuffer = Some(GBuffer::new(&Options::default()).unwrap())),
 ];
 
 const EXTENT_FAULTS: &[Fault] = &[

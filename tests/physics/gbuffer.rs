@@ -1,6 +1,6 @@
 //! What geometry writes to the `exact` G-buffer, against the surfaces that the reference's rays find.
 
-use ontile::plan::Layout;
+use ontile::plan::GBuffer;
 use ontile::reference::{Attributes, Frame, Stored, View, decode, render};
 use ontile::scene::{Camera, Scene};
 
@@ -46,14 +46,14 @@ fn compare(
     gbuffer: &[Stored],
     light_factor: f64,
 ) -> Result<Differences, String> {
-    let view = View::new(camera, SIZE);
+    let (view, exact) = (View::new(camera, SIZE), GBuffer::exact());
     let mut all: Vec<Differences> = Vec::new();
     for (index, (pixel, stored)) in expected.pixels.iter().zip(gbuffer).enumerate() {
         if pixel.edge {
             continue;
         }
         let place = [index as u32 % SIZE[0], index as u32 / SIZE[0]];
-        let found = decode(Layout::Exact, stored, &view, place, light_factor);
+        let found = decode(&exact, stored, &view, place, light_factor);
         if found.lit != pixel.attributes.lit {
             return Err(format!("{}, {}: lit is {} at {place:?}", scene.name, camera.name, found.lit));
         }

@@ -1,10 +1,13 @@
 //! Pictures and G-buffers from the device at hand, under the validation layer.
 
 use ontile::environment::TexelFormat;
-use ontile::glam::{DVec3, DVec4};
+use ontile::glam::DVec3;
 use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
+use ontile::measure::stored;
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::{Layout, Needs, Options, OutputFormat, Path, Plan, Tonemap};
+use ontile::plan::{
+    DepthStore, Gamma, Layout, LightFormat, Needs, Normals, Options, OutputFormat, Path, Plan, Tonemap,
+};
 use ontile::reference::around::Method;
 use ontile::reference::{Settings, Stored};
 use ontile::scene::{Camera, Scene};
@@ -29,6 +32,10 @@ pub struct Rendered {
 #[derive(Clone, Copy, Debug)]
 pub struct Ask {
     pub layout: Layout,
+    pub normals: Option<Normals>,
+    pub gamma: Option<Gamma>,
+    pub light_target: Option<LightFormat>,
+    pub depth: Option<DepthStore>,
     pub path: Path,
     pub tonemap: Tonemap,
     pub exposure_ev: f32,
@@ -40,6 +47,10 @@ impl Ask {
     /// Linear light in floats: nothing but arithmetic between the scene and the picture.
     pub const EXACT: Self = Self {
         layout: Layout::Exact,
+        normals: None,
+        gamma: None,
+        light_target: None,
+        depth: None,
         path: Path::Deferred,
         tonemap: Tonemap::Linear,
         exposure_ev: 0.0,
@@ -47,10 +58,14 @@ impl Ask {
         lightmap: TexelFormat::E5B9G9R9,
     };
 
-    fn options(&self) -> Options {
+    pub fn options(&self) -> Options {
         Options {
             size: SIZE,
             layout: self.layout,
+            normals: self.normals,
+            gamma: self.gamma,
+            light_target: self.light_target,
+            depth: self.depth,
             path: self.path,
             tonemap: self.tonemap,
             output: self.output,
@@ -86,31 +101,28 @@ impl Gpu {
     /// Renders one frame and keeps its G-buffer, as the lighting stage reads it. [`Stored::light`] is what geometry
     /// wrote: it is read from a frame of the same scene without its lights.
     pub fn render_with_gbuffer(&self, scene: &Scene, camera: &Camera, ask: Ask) -> (Rendered, Vec<Stored>) {
+        self.try_with_gbuffer(scene, camera, ask).expect("the scene can be planned")
+    }
+
+    /// The same; `None` if the scene cannot be drawn with this layout.
+    pub fn try_with_gbuffer(
+        &self,
+        scene: &Scene,
+        camera: &Camera,
+        ask: Ask,
+    ) -> Option<(Rendered, Vec<Stored>)> {
         let options = Options { keep_gbuffer: true, ..ask.options() };
+        let limits = self.host.device().caps().limits();
+        Plan::new(Needs::of(scene), options.clone(), &limits).ok()?;
         let (offscreen, settings) = self.frame(scene, camera, ask, options.clone());
-        let read = |o: &Offscreen, name| o.attachment(name).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let [depth, normal_roughness, base_metallic] =
-            ["depth", "normal_roughness", "base_metallic"].map(|name| read(&offscreen, name));
-        let light = if settings.light_target {
+        let dark = settings.light_target.then(|| {
             let dark = Scene { lights: Vec::new(), ..scene.clone() };
             let (offscreen, dark_settings) = self.frame(&dark, camera, ask, options);
             assert!(dark_settings.light_target, "what needs the light target is not the lights");
-            read(&offscreen, "light")
-        } else {
-            vec![0.0; depth.len()]
-        };
-        let texel = |values: &[f32], i: usize| {
-            let [x, y, z, w] = [0, 1, 2, 3].map(|c| f64::from(values[4 * i + c]));
-            DVec4::new(x, y, z, w)
-        };
-        let stored = (0..depth.len() / 4).map(|i| Stored {
-            depth: f64::from(depth[4 * i]),
-            normal_roughness: texel(&normal_roughness, i),
-            base_color_metallic: texel(&base_metallic, i),
-            light: texel(&light, i).truncate(),
+            offscreen
         });
-        let stored = stored.collect();
-        (Rendered { picture: offscreen.picture(), settings }, stored)
+        let stored = stored(&offscreen, dark.as_ref()).expect("the G-buffer is kept");
+        Some((Rendered { picture: offscreen.picture(), settings }, stored))
     }
 
     fn frame(&self, scene: &Scene, camera: &Camera, ask: Ask, options: Options) -> (Offscreen, Settings) {
@@ -122,7 +134,7 @@ impl Gpu {
             size: SIZE,
             exposure_ev: f64::from(ask.exposure_ev),
             tonemap: ask.tonemap,
-            layout: None,
+            gbuffer: None,
             light_target,
             light_scale: f64::from(plan.light_scale()),
             around: Method::Prefiltered(plan.options.environment_format),

@@ -11,6 +11,7 @@ mod files;
 mod finite;
 mod gbuffer;
 mod gpu;
+mod layouts;
 mod light_scenes;
 mod quantised;
 mod scenes;

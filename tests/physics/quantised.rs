@@ -2,11 +2,12 @@
 
 use ontile::glam::DVec3;
 use ontile::measure::metrics::{ErrorStats, psnr_db};
-use ontile::plan::{Layout, OutputFormat, Path, Tonemap};
+use ontile::plan::{GBuffer, Layout, OutputFormat, Path, Tonemap};
 use ontile::reference::texture::srgb_from_linear;
-use ontile::reference::{Attributes, Frame, Settings, Stored, encode, render, shade_gbuffer};
+use ontile::reference::{Attributes, Frame, Settings, Stored, View, encode, render, shade_gbuffer};
 use ontile::scene::{Camera, Scene};
 
+use crate::SIZE;
 use crate::error::PROMISED_PART;
 use crate::gpu::{Ask, Gpu, Rendered};
 use crate::scenes;
@@ -19,6 +20,10 @@ const METALLIC128: Ask = Ask {
     output: OutputFormat::Rgba8Srgb,
     ..Ask::EXACT
 };
+
+fn metallic128() -> GBuffer {
+    GBuffer::new(&METALLIC128.options()).expect("it is complete")
+}
 
 /// The least PSNR (dB) and the greatest 99th percentile (steps of 255) by scene, against f64.
 ///
@@ -116,7 +121,7 @@ impl<'a> InSteps<'a> {
 
     /// The reference's settings with the layout's formats in them.
     fn settings(&self) -> Settings {
-        Settings { layout: Some(Layout::Metallic128), ..self.rendered.settings.clone() }
+        Settings { gbuffer: Some(metallic128()), ..self.rendered.settings.clone() }
     }
 
     /// Everything from the scene; pixels whose surface the GPU rounded to other codes count as edges.
@@ -132,14 +137,13 @@ impl<'a> InSteps<'a> {
     fn like_codes(&self) -> Vec<bool> {
         /// Half a code is 2e-3 (sRGB in the dark: 1.5e-4); f32 reads codes back to 1e-7.
         const SAME: f64 = 1e-5;
+        let (gbuffer, view) = (metallic128(), View::new(self.camera, SIZE));
         let alike = |(pixel, stored): (&ontile::reference::Pixel, &Stored)| {
-            let nearest = encode(Layout::Metallic128, &pixel.attributes, 1.0);
+            let nearest = encode(&gbuffer, &pixel.attributes, &view, 1.0);
+            let [normal_roughness, base_metallic] = [0, 1].map(|t| (nearest.targets[t], stored.targets[t]));
             !pixel.covered
-                || (nearest.normal_roughness.abs_diff_eq(stored.normal_roughness, SAME)
-                    && nearest
-                        .base_color_metallic
-                        .truncate()
-                        .abs_diff_eq(stored.base_color_metallic.truncate(), SAME))
+                || (normal_roughness.0.abs_diff_eq(normal_roughness.1, SAME)
+                    && base_metallic.0.truncate().abs_diff_eq(base_metallic.1.truncate(), SAME))
         };
         self.exact.pixels.iter().zip(&self.gbuffer).map(alike).collect()
     }
@@ -195,10 +199,11 @@ const LEAST_PART_OF_LIKE_CODES: f64 = 0.25;
 /// and the farthest sRGB channel's.
 fn code_errors(exact: &Attributes, stored: &Stored) -> [f64; 2] {
     let encoded = |c: DVec3| DVec3::from_array(c.to_array().map(srgb_from_linear));
-    let base = encoded(stored.base_color_metallic.truncate()) - encoded(exact.base_color);
+    let [normal_roughness, base_metallic, ..] = stored.targets;
+    let base = encoded(base_metallic.truncate()) - encoded(exact.base_color);
     let surface = (exact.normal_world * 0.5 + 0.5).extend(exact.roughness);
-    let surface = if exact.lit { stored.normal_roughness - surface } else { stored.normal_roughness };
-    let metallic = if exact.lit { stored.base_color_metallic.w - exact.metallic } else { 0.0 };
+    let surface = if exact.lit { normal_roughness - surface } else { normal_roughness };
+    let metallic = if exact.lit { base_metallic.w - exact.metallic } else { 0.0 };
     [surface.abs().max_element().max(metallic.abs()), base.abs().max_element()].map(|error| error * 255.0)
 }
 
@@ -265,7 +270,7 @@ fn every_fault_is_caught() {
             let caught = quantile(&errors, PROMISED_PART) > ONE_STEP;
             assert!(caught, "{}, {name}, G-buffer: not caught, {}", scene.name, describe(&errors));
         }
-        let other = Settings { layout: Some(Layout::Exact), ..right.clone() };
+        let other = Settings { gbuffer: Some(GBuffer::exact()), ..right.clone() };
         let errors = frame.errors(&frame.given_scene(&other));
         let caught = quantile(&errors, PROMISED_PART) > bound || !are_whole(&errors);
         assert!(caught, "{}: layout not caught, {}", scene.name, describe(&errors));

@@ -16,7 +16,7 @@ pub use parts::PipelineParts;
 use state::{FixedState, VertexInput};
 
 use super::descriptor::Binding;
-use super::shader::Shaders;
+use super::shader::{AttachmentPlaces, Shaders};
 use super::{Called, Device, Owned, PipelineCache};
 use crate::Result;
 use crate::plan::{Pipeline, Plan};
@@ -101,7 +101,8 @@ impl Builder<'_> {
     fn build(&self, index: usize, pipeline: &Pipeline, place: Place) -> Result<Owned<vk::Pipeline>> {
         let plan = self.plan;
         let (vertex, fragment, constants) = modules(plan, pipeline);
-        let shaders = Shaders::new(vertex, fragment, &constants)?;
+        let places = AttachmentPlaces::of(plan.subpass(index).2)?;
+        let shaders = Shaders::new(vertex, fragment, &constants, &places)?;
         let name = plan.pipeline_text(pipeline);
         let module = |spirv: &Vec<u32>| shader_module(self.device, spirv, &name);
         let vertex = module(&shaders.vertex)?;

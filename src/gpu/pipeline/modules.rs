@@ -1,8 +1,8 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GeometryConstants, LightLoop, LightingConstants, LightmapConstants, Module, OutputConstants,
-    SkyConstants, Specialization, TextureSlot, shared,
+    GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants, Module,
+    OutputConstants, SkyConstants, Specialization, TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
 use crate::plan::{Pipeline, Plan, SurfaceKind, VolumeShape};
@@ -10,7 +10,6 @@ use crate::plan::{Pipeline, Plan, SurfaceKind, VolumeShape};
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
 /// are specialised with.
 pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Module>, Specialization) {
-    let layout = plan.options.layout;
     let surface = |kind| surface_constants(plan, kind).specialization();
     let (vertex, fragment, own) = match pipeline {
         Pipeline::Depth(kind) => {
@@ -18,7 +17,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         }
         Pipeline::Surface(kind) => {
             let fragment = if plan.has_gbuffer() {
-                Module::GeometryFragment(layout)
+                Module::GeometryFragment
             } else if plan.has_light_target() {
                 Module::Base
             } else if kind.unlit {
@@ -30,20 +29,27 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         }
         Pipeline::Light(kind) => (Module::GeometryVertex, Some(Module::Light), surface(kind)),
         Pipeline::Sky => {
-            let (probes, light_target) = (!plan.needs.probes.is_empty(), plan.has_light_target());
-            let constants = SkyConstants { rgbm: is_rgbm(plan), probes, light_target };
-            let module = Module::Sky(plan.has_gbuffer().then_some(layout));
-            (Module::Fullscreen, Some(module), constants.specialization())
+            let constants = SkyConstants { rgbm: is_rgbm(plan), probes: !plan.needs.probes.is_empty() };
+            (Module::Fullscreen, Some(Module::Sky), constants.specialization())
         }
-        Pipeline::Lighting => (Module::Fullscreen, Some(Module::Lighting(layout)), Specialization::default()),
+        Pipeline::Lighting => (Module::Fullscreen, Some(Module::Lighting), Specialization::default()),
         Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
-        Pipeline::LightVolume(shape) => {
-            (Module::LightVolume, Some(Module::Lighting(layout)), shape_constant(*shape))
-        }
+        Pipeline::LightVolume(shape) => (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape)),
         Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), Specialization::default()),
     };
     let lighting = lighting_constants(plan, pipeline).specialization();
-    (vertex, fragment, lighting.and(output_constants(plan, pipeline).specialization()).and(own))
+    let output = output_constants(plan, pipeline).specialization();
+    (vertex, fragment, lighting.and(output).and(gbuffer_constants(plan).specialization()).and(own))
+}
+
+fn gbuffer_constants(plan: &Plan) -> GBufferConstants {
+    GBufferConstants {
+        exists: plan.has_gbuffer(),
+        light_target: plan.has_light_target(),
+        light_alpha: plan.light_target().is_none_or(|light| light.has_alpha()),
+        light_read: plan.light_is_read(),
+        ..GBufferConstants::new(&plan.gbuffer)
+    }
 }
 
 fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingConstants {
@@ -113,7 +119,6 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
             unit_lx: map.unit_lx,
             rgbm: plan.options.lightmap_format == TexelFormat::Rgbm,
         }),
-        light_target: plan.has_light_target(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::super::shader::Shaders;
+use super::super::shader::{AttachmentPlaces, Shaders};
 use super::super::shadow::{caster_bindings, caster_input, caster_modules};
 use super::{Family, VertexInput, modules};
 use crate::Result;
@@ -37,7 +37,8 @@ impl PipelineParts {
         let of_plan = plan.pipelines.iter().map(|(stage, pipeline)| {
             let (vertex, fragment, constants) = modules(plan, pipeline);
             let family = Family::of(plan, *stage, pipeline);
-            let shaders = Shaders::new(vertex, fragment, &constants)?;
+            let places = AttachmentPlaces::of(plan.subpass(*stage).2)?;
+            let shaders = Shaders::new(vertex, fragment, &constants, &places)?;
             let input = VertexInput::new(pipeline, &shaders.attributes)?;
             Ok(Self {
                 name: plan.pipeline_text(pipeline),
@@ -54,7 +55,7 @@ impl PipelineParts {
             let (streams, attributes) = caster_input(kind.mask.as_ref())?;
             Ok(Self {
                 name: format!("shadow caster, {kind}"),
-                shaders: Shaders::new(vertex, fragment, &constants)?,
+                shaders: Shaders::new(vertex, fragment, &constants, &AttachmentPlaces::default())?,
                 bindings: counts(&caster_bindings(kind)),
                 attributes: attributes.iter().map(|a| a.location).collect(),
                 vertex_bytes: streams.iter().map(|b| b.stride).sum(),

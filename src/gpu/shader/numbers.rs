@@ -5,6 +5,14 @@
 /// # Panics
 /// If the header has no line `#define name NUMBER`.
 pub const fn shared(name: &str) -> u32 {
+    match find(name) {
+        Some(number) => number,
+        None => panic!("shared.h does not define this name"),
+    }
+}
+
+/// The same; `None` if there is no such line.
+pub(super) const fn find(name: &str) -> Option<u32> {
     let (text, name) = (include_str!("../../../glsl/shared.h").as_bytes(), name.as_bytes());
     let mut line = 0;
     while line < text.len() {
@@ -18,14 +26,14 @@ pub const fn shared(name: &str) -> u32 {
                 number = number * 10 + (text[at] - b'0') as u32;
                 at += 1;
             }
-            return number;
+            return Some(number);
         }
         while line < text.len() && text[line] != b'\n' {
             line += 1;
         }
         line += 1;
     }
-    panic!("shared.h does not define this name")
+    None
 }
 
 /// Where `text` goes on after `prefix` at `at`.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{KIND_COUNT, shared};
-use crate::plan::{Around, ShadowFilter, Tonemap};
+use crate::plan::{Around, DepthStore, Form, GBuffer, Gamma, Normals, ShadowFilter, Tonemap};
 use crate::scene::Fog;
 
 /// Values for specialisation constants: `data[i]` is that of constant `ids[i]`.
@@ -73,8 +73,6 @@ pub struct GeometryConstants {
     pub has_environment: bool,
     /// Whether a lightmap brings the diffuse light, and how.
     pub lightmap: Option<LightmapConstants>,
-    /// The light target is written beside the G-buffer.
-    pub light_target: bool,
 }
 
 /// How a lightmap is stored.
@@ -126,7 +124,6 @@ impl GeometryConstants {
             (const { shared("ID_LIGHTMAP") }, self.lightmap.is_some().into()),
             (const { shared("ID_LIGHTMAP_UNIT") }, self.lightmap.map_or(0.0, |map| map.unit_lx).to_bits()),
             (const { shared("ID_LIGHTMAP_RGBM") }, self.lightmap.is_some_and(|map| map.rgbm).into()),
-            (const { shared("ID_LIGHT_TARGET") }, self.light_target.into()),
         ])
     }
 }
@@ -207,6 +204,83 @@ fn shadow_filter(filter: ShadowFilter) -> u32 {
     }
 }
 
+/// Constants of the modules that write or read a G-buffer or a light target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GBufferConstants {
+    /// Whether there is a G-buffer at all.
+    pub exists: bool,
+    /// What it consists of.
+    pub form: Form,
+    /// Whether depth has a colour target.
+    pub depth_target: bool,
+    /// How normals are encoded.
+    pub normals: Normals,
+    /// How colours are encoded.
+    pub gamma: Gamma,
+    /// There is a light target.
+    pub light_target: bool,
+    /// Surfaces and background are told apart by the light target's alpha.
+    pub light_alpha: bool,
+    /// Light is in the G-buffer.
+    pub light_read: bool,
+}
+
+impl GBufferConstants {
+    /// Without light that exists before lighting.
+    pub fn new(gbuffer: &GBuffer) -> Self {
+        Self {
+            exists: true,
+            form: gbuffer.form,
+            depth_target: gbuffer.depth == DepthStore::R32f,
+            normals: gbuffer.normals,
+            gamma: gbuffer.gamma,
+            light_target: false,
+            light_alpha: true,
+            light_read: false,
+        }
+    }
+
+    /// As ids and values.
+    pub fn specialization(&self) -> Specialization {
+        let form = match self.form {
+            Form::Metallic => const { shared("FORM_METALLIC") },
+            Form::Specular => const { shared("FORM_SPECULAR") },
+            Form::Thibieroz128 => const { shared("FORM_THIBIEROZ128") },
+            Form::Thibieroz96 => const { shared("FORM_THIBIEROZ96") },
+            Form::Rasa128 => const { shared("FORM_RASA128") },
+            Form::Dissertation192 => const { shared("FORM_DISSERTATION192") },
+            Form::Metallic256 => const { shared("FORM_METALLIC256") },
+            Form::Specular256 => const { shared("FORM_SPECULAR256") },
+            Form::Packed128 => const { shared("FORM_PACKED128") },
+        };
+        let normals = match self.normals {
+            Normals::Xyz8 => const { shared("NORMALS_XYZ") },
+            Normals::Oct8 => const { shared("NORMALS_OCTAHEDRAL_8") },
+            Normals::Oct10 => const { shared("NORMALS_OCTAHEDRAL_10") },
+            Normals::Oct12 => const { shared("NORMALS_OCTAHEDRAL_12") },
+            Normals::Oct16 => const { shared("NORMALS_OCTAHEDRAL_16") },
+            Normals::Sphere12 => const { shared("NORMALS_SPHEREMAP_12") },
+            Normals::View12 => const { shared("NORMALS_VIEW_12") },
+            Normals::Float => const { shared("NORMALS_FLOAT") },
+        };
+        let gamma = match self.gamma {
+            Gamma::Srgb | Gamma::Linear | Gamma::Float => const { shared("GAMMA_BY_FORMAT") },
+            Gamma::Power22 => const { shared("GAMMA_2_2") },
+            Gamma::Power20 => const { shared("GAMMA_2_0") },
+        };
+        Specialization::from_pairs(&[
+            (const { shared("ID_GBUFFER") }, self.exists.into()),
+            (const { shared("ID_FORM") }, form),
+            (const { shared("ID_DEPTH_TARGET") }, self.depth_target.into()),
+            (const { shared("ID_NORMALS") }, normals),
+            (const { shared("ID_GAMMA") }, gamma),
+            (const { shared("ID_LIGHT_TARGET") }, self.light_target.into()),
+            (const { shared("ID_LIGHT_ALPHA") }, self.light_alpha.into()),
+            (const { shared("ID_LIGHT_READ") }, self.light_read.into()),
+        ])
+    }
+}
+
 /// Constants of [`super::Module::Sky`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkyConstants {
@@ -214,8 +288,6 @@ pub struct SkyConstants {
     pub rgbm: bool,
     /// There are probes beside the environment.
     pub probes: bool,
-    /// It goes to the light target where there is no G-buffer either.
-    pub light_target: bool,
 }
 
 impl SkyConstants {
@@ -224,7 +296,6 @@ impl SkyConstants {
         Specialization::from_pairs(&[
             (const { shared("ID_RGBM") }, self.rgbm.into()),
             (const { shared("ID_PROBES") }, self.probes.into()),
-            (const { shared("ID_LIGHT_TARGET") }, self.light_target.into()),
         ])
     }
 }

@@ -35,6 +35,17 @@ use truth::{Stage, Truths};
 /// What takes part in every race.
 pub const BASE: Choice = Choice::of(Layout::Metallic128);
 
+/// Every layout as it is, each single other choice over [`BASE`], and what `--layout auto` chooses from.
+pub fn default_choices() -> Vec<Choice> {
+    let mut choices = Choice::one_by_one(BASE);
+    for choice in Choice::candidates() {
+        if !choices.contains(&choice) {
+            choices.push(choice);
+        }
+    }
+    choices
+}
+
 /// Others in a race with [`BASE`]: few enough that the memory of a phone holds them.
 const RACERS: usize = 6;
 

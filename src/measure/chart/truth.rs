@@ -1,10 +1,10 @@
 //! The pictures that every G-buffer's are compared with.
 
-use glam::{DVec3, DVec4};
+use glam::DVec3;
 
 use super::data::{Errors, Truth};
 use crate::gpu::{Device, Offscreen, PipelineCache, RendererConfig, View};
-use crate::measure::compare;
+use crate::measure::{compare, stored};
 use crate::picture::{Picture, Pixels};
 use crate::plan::{Choice, Layout, Needs, Options, OutputFormat, Plan, Tonemap};
 use crate::reference::around::Method;
@@ -67,25 +67,9 @@ impl Stage<'_> {
         let options = Options { keep_gbuffer: true, ..self.in_floats(exact) };
         let offscreen = self.frame(self.scene, options.clone())?;
         let settings = self.settings(offscreen.renderer().plan());
-        let [depth, normal_roughness, base_metallic] =
-            ["depth", "normal_roughness", "base_metallic"].map(|name| offscreen.attachment(name));
-        let (depth, normal_roughness, base_metallic) = (depth?, normal_roughness?, base_metallic?);
-        // Lighting adds to what geometry wrote, so that is read from a frame without lights.
-        let light = if settings.light_target {
-            let dark = Scene { lights: Vec::new(), ..self.scene.clone() };
-            self.frame(&dark, options)?.attachment("light")?
-        } else {
-            vec![0.0; depth.len()]
-        };
-        let texel =
-            |values: &[f32], i: usize| DVec4::from_array([0, 1, 2, 3].map(|c| f64::from(values[4 * i + c])));
-        let stored = (0..depth.len() / 4).map(|i| Stored {
-            depth: f64::from(depth[4 * i]),
-            normal_roughness: texel(&normal_roughness, i),
-            base_color_metallic: texel(&base_metallic, i),
-            light: texel(&light, i).truncate(),
-        });
-        Ok((stored.collect(), settings))
+        let dark = || Scene { lights: Vec::new(), ..self.scene.clone() };
+        let dark = settings.light_target.then(|| self.frame(&dark(), options)).transpose()?;
+        Ok((stored(&offscreen, dark.as_ref())?, settings))
     }
 
     fn settings(&self, plan: &Plan) -> Settings {
@@ -94,7 +78,7 @@ impl Stage<'_> {
             window: None,
             exposure_ev: f64::from(self.exposure_ev),
             tonemap: self.options.tonemap,
-            layout: None,
+            gbuffer: None,
             light_target: plan.has_light_target(),
             light_scale: f64::from(plan.light_scale()),
             shadows: false,

@@ -10,7 +10,7 @@ use crate::measure::plot::{Axis, Plot};
 use crate::picture::{Picture, Pixels};
 use crate::reference::Attributes;
 use crate::reference::brdf::brdf;
-use crate::reference::quantise::unorm;
+use crate::reference::quantise::formats::unorm;
 use crate::reference::texture::{linear_from_srgb, srgb_from_linear};
 
 pub const GAMMA: Sweep = Sweep {

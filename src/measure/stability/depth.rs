@@ -4,7 +4,7 @@ use super::{Answer, Bound, Case, Figure, Findings, Lab, Sweep, Worst};
 use crate::Result;
 use crate::measure::canvas::short;
 use crate::measure::plot::{Axis, Plot};
-use crate::reference::quantise::unorm;
+use crate::reference::quantise::formats::unorm;
 
 pub const DEPTH: Sweep = Sweep {
     name: "depth",

@@ -5,7 +5,7 @@ use crate::Result;
 use crate::measure::canvas::short;
 use crate::measure::plot::{Axis, Plot};
 use crate::plan::Tonemap;
-use crate::reference::quantise::unorm;
+use crate::reference::quantise::formats::unorm;
 use crate::reference::tonemap::tonemap;
 use glam::DVec3;
 

@@ -8,7 +8,7 @@ use super::{Answer, Bound, Case, Figure, Findings, Lab, Sweep, Worst};
 use crate::Result;
 use crate::measure::plot::{Axis, Plot};
 use crate::picture::{Picture, Pixels};
-use crate::plan::{Layout, Options};
+use crate::plan::{GBuffer, Layout, Options};
 use crate::reference::brdf::{alpha_from_roughness, brdf};
 use crate::reference::{Attributes, View, quantise};
 use crate::scene::{Camera, Projection};
@@ -70,7 +70,9 @@ impl Encoding {
 
     fn store(&self, view: &View, normal_world: DVec3) -> DVec3 {
         let surface = Attributes { lit: true, depth: 0.5, normal_world, ..Attributes::default() };
-        quantise(self.layout, &surface, view, [0, 0], 1.0).normal_world
+        let options = Options { layout: self.layout, ..Options::default() };
+        let gbuffer = GBuffer::new(&options).expect("it is complete");
+        quantise(&gbuffer, &surface, view, [0, 0], 1.0).normal_world
     }
 }
 

@@ -395,11 +395,11 @@ proptest! {
     /// Whatever words a module has, it is an error at worst.
     #[test]
     fn no_module_makes_it_panic(
-        which in 0..Shader::all().len(),
+        which in 0..Shader::ALL.len(),
         changes in prop::collection::vec((any::<prop::sample::Index>(), prop_oneof![0..300_u32, any::<u32>()]), 1..4),
         value in 0..4_u32,
     ) {
-        let mut words = Shader::all()[which].spirv().unwrap().to_vec();
+        let mut words = Shader::ALL[which].spirv().unwrap().to_vec();
         for (at, word) in changes {
             let at = at.index(words.len());
             words[at] = word;

@@ -1,0 +1,27 @@
+// "Deferred versus Multi-Pass Forward Shading" (dissertation), 4.5.1: three targets of R16G16B16A16_SFLOAT, nothing encoded.
+//   position          view space, metres; roughness
+//   normal            view space; 1: lit
+//   base_metallic     base colour, linear; metallic
+
+#ifdef SUBPASS_GEOMETRY
+
+void write_dissertation192(Surface surface, vec3 base_color, float metallic) {
+    mat3 axes = world_from_view();
+    target_position = vec4((surface.position_world - frame.camera_position_world.xyz) * axes, surface.roughness);
+    target_normal = surface.lit ? vec4(surface.normal_world * axes, 1.0) : vec4(0.0);
+    target_base_metallic = vec4(base_color, metallic);
+}
+
+#else
+
+Surface read_dissertation192() {
+    mat3 axes = world_from_view();
+    vec4 position = subpassLoad(input_position);
+    vec4 normal = subpassLoad(input_normal);
+    vec4 base_metallic = subpassLoad(input_base_metallic);
+    return Surface(
+        frame.camera_position_world.xyz + axes * position.xyz, normal.a != 0.0, unit(axes * normal.xyz), position.w,
+        diffuse_of(base_metallic.rgb, base_metallic.a), f0_of(base_metallic.rgb, base_metallic.a));
+}
+
+#endif
