@@ -104,16 +104,16 @@ fn because(best: &Standing, base: &Standing) -> String {
     }
     let factor = base.error(Metric::Flip) / best.error(Metric::Flip);
     let error = match factor {
-        f if f >= 1.05 => format!("FLIP {} times smaller", short(f)),
-        f if f <= 1.0 / 1.05 => format!("FLIP {} times larger", short(1.0 / f)),
-        _ => "the same FLIP".into(),
+        f if f >= 1.05 => format!("FLIP is {} times smaller than with `{BASE}`", short(f)),
+        f if f <= 1.0 / 1.05 => format!("FLIP is {} times larger than with `{BASE}`", short(1.0 / f)),
+        _ => format!("FLIP is that of `{BASE}`"),
     };
     let bytes = match i64::from(best.bytes_on_tile) - i64::from(base.bytes_on_tile) {
         0 => "as many bytes".into(),
         more if more > 0 => format!("{more} bytes more"),
         fewer => format!("{} bytes fewer", -fewer),
     };
-    format!("{error} and {bytes} than `{BASE}`")
+    format!("{error}, with {bytes}")
 }
 
 fn decibel(db: f64) -> String {
