@@ -8,6 +8,8 @@ layout(constant_id = ID_BACKGROUND_RED) const float BACKGROUND_RED = 0.0;
 layout(constant_id = ID_BACKGROUND_GREEN) const float BACKGROUND_GREEN = 0.0;
 layout(constant_id = ID_BACKGROUND_BLUE) const float BACKGROUND_BLUE = 0.0;
 
+const float LARGEST = 3.4028235e38;
+
 // Khronos PBR Neutral Tone Mapper, specification 2024: colours below 0.8 keep hue and saturation.
 vec3 tonemap_neutral(vec3 color) {
     const float fresnel = 0.04;
@@ -37,7 +39,7 @@ vec3 tonemap_aces(vec3 color) {
         1.60475, -0.53108, -0.07367,
         -0.10208, 1.10813, -0.00605,
         -0.00327, -0.07276, 1.07602);
-    vec3 x = color * fit_from_rec709;
+    vec3 x = min(color, 1e18) * fit_from_rec709; // whose square is a number
     vec3 a = x * (x + 0.0245786) - 0.000090537;
     vec3 b = x * (0.983729 * x + 0.4329510) + 0.238081;
     return max((a / b) * rec709_from_fit, 0.0);
@@ -49,7 +51,8 @@ vec3 tonemap_reinhard(vec3 color) {
 }
 
 vec3 tonemap(vec3 color) {
-    color = max(color, 0.0);
+    // What overflowed is held to the largest number: curves divide, and infinity over infinity is no number.
+    color = clamp(color, 0.0, LARGEST);
     if (TONEMAP == TONEMAP_NEUTRAL) {
         return tonemap_neutral(color);
     }

@@ -116,7 +116,7 @@ fn ways_give_one_picture() {
 fn ways_are_alike_in_one_pass_and_in_several() {
     on_device(None, |gpu| {
         for scene in [scenes::every_feature(), scenes::orthographic(), many_lights(), awkward_lights()] {
-            for &layout in Layout::ALL {
+            for layout in [Layout::Metallic128, Layout::Exact, Layout::Ontile128, Layout::Rasa128] {
                 for lights in WAYS {
                     let picture = |strategy| {
                         let options = Options { size: SIZE, layout, lights, strategy, ..Options::default() };

@@ -99,7 +99,8 @@ impl Renderer {
     /// Makes everything that the plan lists.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] if the device lacks a format or the plan was made for another scene;
+    /// [`Error::Unsupported`] if the device lacks a format, the plan was made for another scene, or a number of the scene means
+    /// nothing ([`Scene::check`]);
     /// [`Error::Vulkan`].
     pub fn new(
         device: &Device,
@@ -114,6 +115,7 @@ impl Renderer {
                 "make the plan from this scene's `Needs`, after the last change to the scene",
             ));
         }
+        scene.check()?;
         check_formats(device, &plan)?;
         let passes = plan
             .passes

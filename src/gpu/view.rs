@@ -11,7 +11,7 @@ use crate::scene::{Camera, Projection};
 pub struct View<'a> {
     /// Where from, and through which projection.
     pub camera: &'a Camera,
-    /// Light is multiplied by 2 to this power.
+    /// Light is multiplied by 2 to this power, which is held between -126 and 126; NaN counts as 0.
     pub exposure_ev: f32,
 }
 
@@ -41,7 +41,12 @@ impl View<'_> {
             forward_world: axis(-back, 0.0),
             distance_from_depth: self.camera.projection.distance_from_depth(),
             inverse_size: [(1.0 / width) as f32, (1.0 / height) as f32],
-            exposure: self.exposure_ev.exp2(),
+            // Not a number counts as 0 EV, and light that is multiplied stays a number.
+            exposure: if self.exposure_ev.is_nan() {
+                1.0
+            } else {
+                self.exposure_ev.clamp(-126.0, 126.0).exp2()
+            },
             light_scale: plan.light_scale(),
             ambient_nt: ambient_nt.extend(0.0).to_array(),
             light_counts: [0; 4],

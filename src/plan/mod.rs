@@ -21,12 +21,14 @@ mod ledger;
 mod lightmap;
 mod lights;
 mod needs;
+mod notes;
 mod options;
 mod path;
 mod print;
 mod shadow;
 mod shadow_report;
 mod stage;
+mod targets;
 #[cfg(test)]
 mod tests;
 
@@ -333,7 +335,8 @@ impl Plan {
         let around = around::images(&needs, &options);
         let pipelines = pipelines(&frame, &needs, light_way);
         let folded = frame.folded;
-        let mut notes = notes(&needs, &options, &gbuffer, path, &attachments, folded);
+        let mut notes = options.gbuffer_why.clone();
+        notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
@@ -418,53 +421,4 @@ fn pipelines(frame: &stage::Frame, needs: &Needs, way: LightWay) -> Vec<(usize, 
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
     let sky = needs.sky.then_some((surface, Pipeline::Sky));
     depths.chain(surfaces).chain(sky).chain(lights).chain(lighting).chain(tonemap).collect()
-}
-
-fn notes(
-    needs: &Needs,
-    options: &Options,
-    gbuffer: &GBuffer,
-    path: Path,
-    attachments: &[Attachment],
-    folded: bool,
-) -> Vec<String> {
-    let mut notes = Vec::new();
-    if options.depth_prepass && needs.triangles <= 1 {
-        notes.push("no triangle hides another: no depth test, so no depth pre-pass".into());
-    }
-    if needs.lit.is_none() {
-        notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());
-    } else if path == Path::Forward {
-        notes.extend(path::notes(options, path));
-    } else if folded && !needs.prelit.is_empty() {
-        notes.push("one stage adds all light and applies the tone curve: nothing is blended".into());
-    } else if folded {
-        notes.push(
-            "no light exists before lighting: lighting and tonemap are one subpass, no light target".into(),
-        );
-    } else {
-        let clips = |light: &LightTarget| {
-            let is_there =
-                attachments.iter().any(|a| a.name == light.target.name && a.format == light.target.format);
-            is_there && light.target.format == Format::Rgb10a2Unorm
-        };
-        let light = gbuffer.added_light(false).map(|(light, _)| light).filter(clips);
-        notes.extend(light.map(|l| format!("the light target holds exposed light up to {}", l.range)));
-        notes.extend(path::notes(options, path));
-        if !options.recycle {
-            notes.push("recycling is off: every resource has an attachment of its own".into());
-        } else if path == Path::Deferred && !attachments[0].name.contains('/') {
-            let base = gbuffer.surface.iter().find(|t| t.tells == Tells::Albedo).map(|t| t.format);
-            let Some(base) = base else { return notes };
-            notes.push(if !options.output_is_input_attachment {
-                "the output cannot be read as an input attachment, so base_metallic has its own".into()
-            } else if base != options.output.into() {
-                let output = Format::from(options.output);
-                format!("base_metallic is {base} and the output {output}, so they cannot share an attachment")
-            } else {
-                "the G-buffer is kept, so the output cannot stand in for base_metallic".into()
-            });
-        }
-    }
-    notes
 }

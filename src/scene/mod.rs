@@ -5,6 +5,7 @@
 
 mod budget;
 mod camera;
+mod check;
 mod environment;
 mod globe_layers;
 mod gltf;

@@ -82,4 +82,9 @@ sweeps! {
     metal_beside_stone "halos",
     light_as_colour_and_factor "rgbm",
     light_too_bright_for_a_texel "texel-range",
+    numbers_that_mean_nothing "inputs",
+    meshes_with_flaws "geometry",
+    targets_of_any_shape "targets",
+    cameras_inside_light_volumes "light-volumes",
+    pixels_that_nothing_reaches "steady",
 }

@@ -11,7 +11,10 @@
 mod bench;
 mod colour;
 mod depth;
+mod geometry;
+mod inputs;
 mod light_target;
+mod lights;
 mod normals;
 mod parts;
 mod report;
@@ -25,6 +28,7 @@ use crate::Result;
 use crate::picture::Picture;
 use crate::reference::texture::srgb_from_linear;
 
+use bench::exact;
 pub use bench::{Bench, Difference, difference};
 pub use report::Study;
 
@@ -63,6 +67,11 @@ impl Sweep {
         colour::HALOS,
         colour::RGBM,
         colour::RANGE,
+        inputs::INPUTS,
+        geometry::GEOMETRY,
+        geometry::TARGETS,
+        lights::VOLUMES,
+        lights::STEADY,
     ];
 
     /// The sweep of this name.

@@ -1,0 +1,54 @@
+//! Decisions that a reader may wonder about.
+
+use super::layout::{GBuffer, LightTarget, Tells};
+use super::{Attachment, Format, Needs, Options, Path, path};
+
+/// What a plan tells besides what it consists of.
+pub(super) fn of(
+    needs: &Needs,
+    options: &Options,
+    gbuffer: &GBuffer,
+    path: Path,
+    attachments: &[Attachment],
+    folded: bool,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    if options.depth_prepass && needs.triangles <= 1 {
+        notes.push("no triangle hides another: no depth test, so no depth pre-pass".into());
+    }
+    if needs.lit.is_none() {
+        notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());
+    } else if path == Path::Forward {
+        notes.extend(path::notes(options, path));
+    } else if folded && !needs.prelit.is_empty() {
+        notes.push("one stage adds all light and applies the tone curve: nothing is blended".into());
+    } else if folded {
+        notes.push(
+            "no light exists before lighting: lighting and tonemap are one subpass, no light target".into(),
+        );
+    } else {
+        let clips = |light: &LightTarget| {
+            let is_there =
+                attachments.iter().any(|a| a.name == light.target.name && a.format == light.target.format);
+            is_there && light.target.format == Format::Rgb10a2Unorm
+        };
+        let light = gbuffer.added_light(false).map(|(light, _)| light).filter(clips);
+        notes.extend(light.map(|l| format!("the light target holds exposed light up to {}", l.range)));
+        notes.extend(path::notes(options, path));
+        if !options.recycle {
+            notes.push("recycling is off: every resource has an attachment of its own".into());
+        } else if path == Path::Deferred && !attachments[0].name.contains('/') {
+            let base = gbuffer.surface.iter().find(|t| t.tells == Tells::Albedo).map(|t| t.format);
+            let Some(base) = base else { return notes };
+            notes.push(if !options.output_is_input_attachment {
+                "the output cannot be read as an input attachment, so base_metallic has its own".into()
+            } else if base != options.output.into() {
+                let output = Format::from(options.output);
+                format!("base_metallic is {base} and the output {output}, so they cannot share an attachment")
+            } else {
+                "the G-buffer is kept, so the output cannot stand in for base_metallic".into()
+            });
+        }
+    }
+    notes
+}
