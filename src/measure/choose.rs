@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::probe::{Content, Predicted, Probe};
-use crate::plan::{Choice, Limits, Needs, Options, Plan, Strategy, named_enum};
+use crate::plan::{Choice, DepthStore, Limits, Needs, Options, Plan, Strategy, named_enum};
 use crate::scene::{Camera, Scene};
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -121,7 +121,7 @@ pub fn choose(
         Plan::new(needs.clone(), options, limits)
     };
     let mut candidates: Vec<(u32, Choice, Plan)> = Vec::new();
-    for choice in Choice::candidates() {
+    for choice in candidates_for(&needs) {
         if let Ok(plan) = plan(choice) {
             let bytes =
                 if limits.gbuffer_on_chip { plan.bytes_on_tile() } else { separate(choice)?.bytes_moved() };
@@ -158,6 +158,14 @@ pub fn choose(
         format!("{}: no G-buffer is expected to give a {goal}{best}", scene.name),
         "raise --max-error (for PSNR: lower it)",
     ))
+}
+
+/// What is considered for a scene. Where lights cast shadows, 16 bits of depth are not: shadows are looked up at positions that
+/// follow from depth, and the probe leaves shadows out.
+pub fn candidates_for(needs: &Needs) -> Vec<Choice> {
+    let mut candidates = Choice::candidates();
+    candidates.retain(|c| needs.shadows.lights.is_empty() || c.depth != Some(DepthStore::D16));
+    candidates
 }
 
 fn told(metric: ErrorMetric, predicted: &Predicted) -> String {

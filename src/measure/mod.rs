@@ -29,7 +29,7 @@ pub mod tiler;
 #[cfg(feature = "cli")]
 pub mod turnip;
 
-pub use choose::{Chosen, ErrorMetric, Goal, choose};
+pub use choose::{Chosen, ErrorMetric, Goal, candidates_for, choose};
 pub use ciede::ciede2000;
 pub use color::lab_from_linear;
 #[cfg(feature = "cli")]

@@ -95,6 +95,8 @@ pub struct Measured {
     pub against_exact: Errors,
     /// What the probe of `--layout auto` says of the picture against the reference; `None` if it sees no lit surface.
     pub predicted: Option<Predicted>,
+    /// Whether `--layout auto` considers this G-buffer for the scene.
+    pub is_candidate: bool,
 }
 
 /// Bytes a pixel; planned.

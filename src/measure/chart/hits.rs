@@ -2,7 +2,7 @@
 
 use super::data::{Cell, Errors, Measured, Report};
 use crate::measure::{ErrorMetric, Goal, Predicted};
-use crate::plan::{Choice, Layout};
+use crate::plan::Choice;
 
 /// The limits that choices are tried with, from strict to lax.
 const LIMITS: [(ErrorMetric, [f64; 5]); 3] = [
@@ -40,9 +40,8 @@ pub(super) fn hits(report: &Report, device: &str, predictor: Predictor) -> Vec<(
         for (place, cells) in places() {
             let known: Vec<(&Measured, f64)> = cells
                 .iter()
-                .filter(|cell| is_candidate(cell))
                 .filter_map(|cell| {
-                    let m = cell.measured()?;
+                    let m = cell.measured().filter(|m| m.is_candidate)?;
                     let predicted = match predictor {
                         Predictor::Probe => Goal { metric, limit: 0.0 }.with_margin(&m.predicted?),
                         Predictor::OtherScenes => {
@@ -60,10 +59,6 @@ pub(super) fn hits(report: &Report, device: &str, predictor: Predictor) -> Vec<(
         (metric, hits)
     };
     LIMITS.into_iter().map(of_metric).collect()
-}
-
-fn is_candidate(cell: &Cell) -> bool {
-    cell.choice.layout != Layout::Exact && Choice::candidates().contains(&cell.choice)
 }
 
 fn worst<'a>(metric: ErrorMetric, cells: impl Iterator<Item = &'a &'a Cell>, choice: Choice) -> Option<f64> {

@@ -25,7 +25,7 @@ use sha2::{Digest, Sha256};
 pub use data::{Bytes, Cell, DriverFigures, Errors, Measured, Outcome, Place, Report, Tiled, Truth};
 pub use metric::{Cost, Metric, pareto};
 
-use super::{Clock, Effort, Probe, Racer, Summary, race};
+use super::{Clock, Effort, Probe, Racer, Summary, candidates_for, race};
 use crate::gpu::{Device, PipelineCache};
 use crate::plan::{Adreno, Choice, Layout, Limits, Needs, Occupancy, Options, Plan, Strategy};
 use crate::scene::Scene;
@@ -287,6 +287,7 @@ impl<'a> Group<'a> {
             left_out,
             against_reference,
             against_exact,
+            is_candidate: candidates_for(&plan.needs).contains(&choice),
             predicted: self.probe.as_ref().map(|probe| probe.error(&plan)),
         })))
     }

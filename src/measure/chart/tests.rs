@@ -49,6 +49,7 @@ fn cell(scene: &str, layout: Layout, [ms, flip]: [f64; 2], on_tile: u32) -> Cell
         left_out: 0.05,
         against_reference: errors,
         against_exact: errors,
+        is_candidate: layout != Layout::Exact,
         predicted: Some(Predicted { flip, psnr_db: Some(40.0 - 100.0 * flip), ciede2000_p95: 10.0 * flip }),
     };
     let outcome = Outcome::Measured(Box::new(measured));
