@@ -15,26 +15,31 @@ layout(constant_id = ID_HAS_BACK) const bool HAS_BACK = false;
 layout(constant_id = ID_CLUSTERS) const bool CLUSTERS = false; // lights with a place are listed by cell
 layout(constant_id = ID_GLOBE_MAPS) const bool GLOBE_MAPS = false;
 layout(constant_id = ID_SHADOWS) const bool SHADOWS = false;
+// Lights that have a place, and lights that all pixels go through.
+#define HAS_PLACED (HAS_POINT || HAS_SPOT || HAS_BOX)
+#define HAS_SCANNED (HAS_DIRECTIONAL || (HAS_PLACED && !CLUSTERS))
 
-// What a surface at `position` reflects of one light, world space. The light's kind follows from its place in the list.
+// What a surface at `position` reflects of one light, world space. The light's kind follows from its place in the list; where
+// there is but one kind nothing is asked.
 Reflected light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
     uint point_begin = frame.light_counts.x;
     uint spot_begin = point_begin + frame.light_counts.y;
     uint box_begin = spot_begin + frame.light_counts.z;
     Incident incident;
-    if (HAS_DIRECTIONAL && i < point_begin) {
+    if (HAS_DIRECTIONAL && (!HAS_PLACED || i < point_begin)) {
         incident = light_directional(lights[i]);
-    } else if (HAS_BOX && i >= box_begin) {
+    } else if (HAS_BOX && (!(HAS_POINT || HAS_SPOT) || i >= box_begin)) {
         incident = light_box(lights[i], position);
-    } else if (HAS_SPOT && i >= spot_begin) {
+    } else if (HAS_SPOT && (!HAS_POINT || i >= spot_begin)) {
         incident = light_spot(lights[i], position);
     } else {
         incident = light_point(lights[i], position);
     }
     if (GLOBE_MAPS && lights[i].globe_map != 0u) {
         vec3 position_light = in_light_frame(lights[i], position);
-        if (i >= spot_begin) {
-            incident.illuminance *= globe_flat(lights[i], position_light, i < box_begin);
+        if (!HAS_POINT || i >= spot_begin) {
+            bool is_spot = HAS_SPOT && (!HAS_BOX || i < box_begin);
+            incident.illuminance *= globe_flat(lights[i], position_light, is_spot);
         } else {
             incident.illuminance *= globe_cube(lights[i], position_light);
         }
@@ -93,10 +98,12 @@ Reflected direct_light(Surface surface, vec3 v) {
     Reflector r = reflector(surface, v);
     vec3 position = surface.position_world;
     Reflected sum = unlisted_light(surface);
-    uvec4 counts = frame.light_counts * uvec4(HAS_DIRECTIONAL, HAS_POINT, HAS_SPOT, HAS_BOX);
-    uint everywhere = CLUSTERS ? counts.x : counts.x + counts.y + counts.z + counts.w;
-    for (uint i = 0u; i < everywhere; ++i) {
-        add(sum, light_reflected(i, surface, r, position));
+    if (HAS_SCANNED) {
+        uvec4 counts = frame.light_counts * uvec4(HAS_DIRECTIONAL, HAS_POINT, HAS_SPOT, HAS_BOX);
+        uint everywhere = CLUSTERS ? counts.x : counts.x + counts.y + counts.z + counts.w;
+        for (uint i = 0u; i < everywhere; ++i) {
+            add(sum, light_reflected(i, surface, r, position));
+        }
     }
     if (CLUSTERS) {
         add_listed_light(sum, surface, r, position);

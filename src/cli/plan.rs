@@ -1,6 +1,7 @@
 //! `ontile plan`
 
 use clap::Args;
+use ontile::gpu::Explanation;
 use ontile::plan::{Limits, Needs, OutputFormat, Plan, Report};
 
 use super::args::{PlanArgs, SceneArgs};
@@ -15,6 +16,7 @@ use super::{auto, print, scene};
 Examples:
   ontile plan scene.glb
   ontile plan scene.glb --strategy separate --json
+  ontile plan scene.glb --explain
   ontile plan scene.glb --layout exact --no-recycle
   ontile plan scene.glb --layout auto --max-error 0.01")]
 pub struct PlanCommandArgs {
@@ -22,6 +24,10 @@ pub struct PlanCommandArgs {
     pub scene: SceneArgs,
     #[command(flatten)]
     pub plan: PlanArgs,
+    /// Print instead what will exist, object by object, each with the element of the scene or the option that needs it:
+    /// attachments, subpasses, pipelines with their attributes, bindings and constants, images, buffers
+    #[arg(long)]
+    pub explain: bool,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -52,5 +58,8 @@ pub fn run(args: &PlanCommandArgs) -> ontile::Result<()> {
     let options = auto::options(&args.plan, OutputFormat::Rgba8Srgb, &mut scene, &camera, &limits)?;
     let plan = Plan::new(Needs::of(&scene), options, &limits)?;
     plan.warnings.iter().for_each(|warning| print::warning(warning));
+    if args.explain {
+        return print::value(&Explanation::new(&scene, &plan)?, args.json);
+    }
     print::value(&Printed { report: plan.report(&scene), plan }, args.json)
 }

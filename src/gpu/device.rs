@@ -7,6 +7,7 @@ use crate::{Error, Result};
 use ash::vk::{self, Handle};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
+use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -155,6 +156,11 @@ impl Device {
     /// What this crate has alive on the device.
     pub fn live(&self) -> Live {
         self.shared.counters.live()
+    }
+
+    /// The objects of [`Self::live`] one by one: how many there are of each name, by kind. Most have the name of what they hold.
+    pub fn live_by_name(&self) -> BTreeMap<String, BTreeMap<String, usize>> {
+        self.shared.counters.named()
     }
 
     /// Names an object for debuggers and validation messages; nothing happens without VK_EXT_debug_utils.

@@ -7,6 +7,7 @@ use ash::vk;
 use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::objects::Objects;
+use super::shader::shared;
 use super::shared::{FrameUniforms, InstanceData, LightData};
 use super::{Buffer, BufferDesc, Device, MemoryUse, View};
 use crate::Result;
@@ -15,12 +16,14 @@ use crate::visible::Sight;
 
 /// A frame slot's buffers, large enough for all of the scene.
 pub(super) struct FrameData {
-    pub(super) uniforms: Buffer,
+    /// `None` if there is no pipeline.
+    pub(super) uniforms: Option<Buffer>,
     /// `None` if nothing is drawn.
     pub(super) instances: Option<Buffer>,
     /// The parts of the lightmap of `instances`; `None` if the plan has no lightmap.
     pub(super) lightmap_rects: Option<Buffer>,
-    pub(super) lights: Buffer,
+    /// `None` if nothing is lit by lights that are listed.
+    pub(super) lights: Option<Buffer>,
     /// `None` if the plan's way of lights has no lists.
     pub(super) light_lists: Option<Buffer>,
 }
@@ -43,7 +46,15 @@ pub(super) struct Everything<'a> {
 }
 
 impl FrameData {
-    pub(super) fn new(device: &Device, plan: &Plan, objects: usize, lights: usize) -> Result<Self> {
+    /// Makes what pipelines read: bit `n` of `read` is binding `n` of `SET_FRAME`.
+    pub(super) fn new(
+        device: &Device,
+        plan: &Plan,
+        read: u32,
+        objects: usize,
+        lights: usize,
+    ) -> Result<Self> {
+        let is_read = |binding: u32| read & (1 << binding) != 0;
         let buffer = |name, bytes: usize, usage| {
             Buffer::new(device, &BufferDesc { name, bytes: bytes as u64, usage, memory: MemoryUse::Upload })
         };
@@ -55,11 +66,14 @@ impl FrameData {
             plan.needs.lightmap.map(|_| buffer("lightmap parts", objects * size_of::<[f32; 4]>(), storage));
         let light_lists = LightLists::bytes(plan).map(|bytes| buffer("light lists", bytes as usize, storage));
         Ok(Self {
-            uniforms: buffer("frame", size_of::<FrameUniforms>(), uniform)?,
+            uniforms: is_read(const { shared("BINDING_FRAME") })
+                .then(|| buffer("frame", size_of::<FrameUniforms>(), uniform))
+                .transpose()?,
             instances: instances.transpose()?,
             lightmap_rects: rects.transpose()?,
-            // A buffer cannot be empty, but a scene can be without lights; then no shader reads what is here.
-            lights: buffer("lights", lights.max(1) * size_of::<LightData>(), storage)?,
+            lights: is_read(const { shared("BINDING_LIGHTS") })
+                .then(|| buffer("lights", lights.max(1) * size_of::<LightData>(), storage))
+                .transpose()?,
             light_lists: light_lists.transpose()?,
         })
     }
@@ -82,11 +96,14 @@ impl FrameData {
         let instances = instances.unwrap_or_default();
         let rects = self.lightmap_rects.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
         let seen_objects = objects.write_visible(&sight, cull, instances, rects.unwrap_or_default());
-        let light_list = bytemuck::cast_slice_mut(self.lights.mapped_mut());
+        let light_list = self.lights.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
+        let light_list = light_list.unwrap_or_default();
         let counts = lights.write_visible(frustum, light_list, light_lists.reaches_mut());
         uniforms.light_counts = counts;
         uniforms.hemispheres = lights.hemispheres();
-        self.uniforms.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
+        if let Some(buffer) = &mut self.uniforms {
+            buffer.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
+        }
         let start = Instant::now();
         let all = counts.iter().sum::<u32>();
         if let Some(lists) = &mut self.light_lists {
@@ -101,8 +118,8 @@ impl FrameData {
 
     /// Size of the memory.
     pub(super) fn allocated_bytes(&self) -> u64 {
-        let always = [&self.uniforms, &self.lights].into_iter();
-        let buffers = always.chain(&self.instances).chain(&self.lightmap_rects).chain(&self.light_lists);
-        buffers.map(Buffer::allocated_bytes).sum()
+        let Self { uniforms, instances, lightmap_rects, lights, light_lists } = self;
+        let buffers = [uniforms, instances, lightmap_rects, lights, light_lists];
+        buffers.into_iter().flatten().map(Buffer::allocated_bytes).sum()
     }
 }

@@ -137,13 +137,19 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Makes the buffers and gathers their contents in `upload`. `streams[i]` says what `meshes[i]` needs; an
+    /// Makes the buffers and gathers their contents in `upload`. `streams[i]` says what `meshes[i]` needs, `None` that it is
+    /// not drawn and not to be here; an
     /// attribute that the mesh lacks is filled up as glTF has it: white for colours, zero otherwise.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if attribute lists are of different lengths or a count does not fit 32 bits;
     /// [`Error::Vulkan`].
-    pub fn new(device: &Device, upload: &mut Upload, meshes: &[Mesh], streams: &[Streams]) -> Result<Self> {
+    pub fn new(
+        device: &Device,
+        upload: &mut Upload,
+        meshes: &[Mesh],
+        streams: &[Option<Streams>],
+    ) -> Result<Self> {
         let plan = plan(meshes, streams)?;
         let buffer = |name, bytes, usage| match bytes {
             0 => Ok(None),
@@ -154,7 +160,7 @@ impl Geometry {
         };
         let vertices = buffer("vertices", plan.vertex_bytes, vk::BufferUsageFlags::VERTEX_BUFFER)?;
         let indices = buffer("indices", plan.index_bytes, vk::BufferUsageFlags::INDEX_BUFFER)?;
-        for (mesh, range) in meshes.iter().zip(&plan.meshes) {
+        for ((mesh, range), _) in meshes.iter().zip(&plan.meshes).zip(streams).filter(|(_, s)| s.is_some()) {
             let group = &plan.groups[range.group];
             if let Some(vertices) = &vertices {
                 for ((kind, format), start) in group.streams.list().into_iter().zip(&group.offsets_bytes) {
@@ -214,7 +220,7 @@ impl Geometry {
     }
 }
 
-fn plan(meshes: &[Mesh], streams: &[Streams]) -> Result<Plan> {
+fn plan(meshes: &[Mesh], streams: &[Option<Streams>]) -> Result<Plan> {
     let too_much = || {
         Error::unsupported(
             "the scene has more than 2^31 vertices or 2^32 indices",
@@ -230,12 +236,23 @@ fn plan(meshes: &[Mesh], streams: &[Streams]) -> Result<Plan> {
     meshes.iter().try_for_each(check)?;
 
     // Sorted by what they hold, so the order of meshes does not decide the order of groups.
-    let mut vertex_counts: BTreeMap<Streams, u64> = streams.iter().map(|s| (*s, 0)).collect();
+    let mut vertex_counts: BTreeMap<Streams, u64> = streams.iter().flatten().map(|s| (*s, 0)).collect();
     let group_of: BTreeMap<Streams, usize> = vertex_counts.keys().zip(0..).map(|(s, i)| (*s, i)).collect();
     let mut index_counts = BTreeMap::from([(IndexWidth::U16, 0_u64), (IndexWidth::U32, 0)]);
     let mut ranges = Vec::with_capacity(meshes.len());
     for (mesh, streams) in meshes.iter().zip(streams) {
         let width = IndexWidth::for_vertices(mesh.positions.len());
+        let Some(streams) = streams else {
+            ranges.push(MeshRange {
+                group: 0,
+                vertex_offset: 0,
+                vertex_count: 0,
+                index_width: width,
+                first_index: 0,
+                index_count: 0,
+            });
+            continue;
+        };
         let vertices = vertex_counts.entry(*streams).or_default();
         let indices = index_counts.entry(width).or_default();
         ranges.push(MeshRange {
@@ -334,7 +351,7 @@ mod tests {
         let lit = Streams { normals: true, ..Default::default() };
         let meshes =
             [mesh(4, vec![0, 1, 2]), mesh(3, vec![0; 6]), mesh(65_536, vec![65_535; 3]), mesh(5, vec![4; 3])];
-        let plan = plan(&meshes, &[lit, Streams::default(), lit, lit]).unwrap();
+        let plan = plan(&meshes, &[Some(lit), Some(Streams::default()), Some(lit), Some(lit)]).unwrap();
         // Groups: positions only (3 vertices: 36 bytes), then positions and normals of 4 + 65,536 + 5
         // vertices.
         let group = |streams, offsets: &[u64]| StreamGroup { streams, offsets_bytes: offsets.to_vec() };
@@ -348,9 +365,19 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_drawn_takes_no_memory() {
+        let meshes = [mesh(3, vec![0, 1, 2]), mesh(70_000, vec![0, 1, 69_999]), mesh(4, vec![1, 2, 3])];
+        let drawn = Some(Streams::default());
+        let plan = plan(&meshes, &[drawn, None, drawn]).unwrap();
+        assert_eq!((plan.vertex_bytes, plan.index_bytes), (7 * 12, 12));
+        assert_eq!((plan.meshes[1].vertex_count, plan.meshes[1].index_count), (0, 0));
+        assert_eq!((plan.meshes[2].vertex_offset, plan.meshes[2].first_index), (3, 3));
+    }
+
+    #[test]
     fn wide_indices_are_aligned() {
         let meshes = [mesh(3, vec![0, 1, 2]), mesh(70_000, vec![0, 1, 69_999])];
-        let plan = plan(&meshes, &[Streams::default(); 2]).unwrap();
+        let plan = plan(&meshes, &[Some(Streams::default()); 2]).unwrap();
         // 3 narrow indices are 6 bytes, rounded up to 8.
         assert_eq!((plan.wide_indices_bytes, plan.index_bytes), (8, 20));
     }
@@ -371,7 +398,7 @@ mod tests {
         let mut short = mesh(3, vec![0, 1, 2]);
         short.normals = vec![Vec3::X; 2];
         for bad in [short, mesh(3, vec![0, 1, 3])] {
-            assert!(plan(&[bad], &[Streams::default()]).is_err());
+            assert!(plan(&[bad], &[Some(Streams::default())]).is_err());
         }
         assert!(plan(&[mesh(3, vec![])], &[]).is_err());
     }

@@ -133,7 +133,7 @@ impl Lights {
         Ok(())
     }
 
-    /// Writes those that reach something that the view sees (all of them without a view) and are not dark, and returns
+    /// Writes, as far as there is room, those that reach something that the view sees (all of them without a view) and are not dark, and returns
     /// how many they are of each kind: directional, point, spot, box. `reaches` gets the reach of each, in their order.
     pub(super) fn write_visible(
         &self,
@@ -146,7 +146,9 @@ impl Lights {
         for light in self.order.iter().map(|&i| &self.placed[i]).filter(|l| l.kind < LISTED) {
             let Some(reach) = light.reach else { continue };
             if !view.is_some_and(|view| view.misses(&reach)) {
-                out[reaches.len()] = light.data;
+                if let Some(out) = out.get_mut(reaches.len()) {
+                    *out = light.data;
+                }
                 reaches.push(reach);
                 counts[light.kind] += 1;
             }

@@ -5,6 +5,7 @@ use crate::Result;
 use ash::vk::{self, Handle};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A kind of Vulkan object that a device creates and destroys.
 pub trait Object: Handle + Copy + std::fmt::Debug {
@@ -23,14 +24,15 @@ pub trait Object: Handle + Copy + std::fmt::Debug {
 #[derive(Debug)]
 pub struct Owned<H: Object> {
     raw: H,
+    name: Box<str>,
     device: Device,
 }
 
 impl<H: Object> Owned<H> {
     /// Takes ownership of an object that `device` has just created with its own allocation callbacks.
     pub(crate) fn new(device: &Device, raw: H, name: &str) -> Self {
-        device.counters().add(H::TYPE);
-        let owned = Self { raw, device: device.clone() };
+        device.counters().add(H::TYPE, name);
+        let owned = Self { raw, name: name.into(), device: device.clone() };
         device.set_name(raw, name);
         owned
     }
@@ -51,7 +53,7 @@ impl<H: Object> Drop for Owned<H> {
         // SAFETY: `new` took the only ownership of an object of this device, and its users promise (see the
         // module's essay) that the GPU has finished with it.
         unsafe { self.raw.destroy(&self.device) };
-        self.device.counters().remove(H::TYPE);
+        self.device.counters().remove(H::TYPE, &self.name);
     }
 }
 
@@ -112,29 +114,28 @@ impl Object for vk::Pipeline {
     }
 }
 
-/// `VkObjectType` counts the core types from 0 (unknown) to 25 (command pool).
-const CORE_OBJECT_TYPES: usize = 26;
-
-/// Counts of what exists, by `VkObjectType`, and of the memory behind it.
+/// What exists, by kind and name, and the memory behind it.
 #[derive(Debug, Default)]
 pub(crate) struct Counters {
-    objects: [AtomicUsize; CORE_OBJECT_TYPES],
+    objects: Mutex<BTreeMap<vk::ObjectType, BTreeMap<String, usize>>>,
     allocations: AtomicUsize,
     bytes: AtomicU64,
 }
 
 impl Counters {
-    fn slot(&self, ty: vk::ObjectType) -> &AtomicUsize {
-        // Every `Object` is of a core type.
-        &self.objects[ty.as_raw() as usize]
+    fn objects(&self) -> MutexGuard<'_, BTreeMap<vk::ObjectType, BTreeMap<String, usize>>> {
+        self.objects.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn add(&self, ty: vk::ObjectType) {
-        self.slot(ty).fetch_add(1, Ordering::Relaxed);
+    fn add(&self, ty: vk::ObjectType, name: &str) {
+        *self.objects().entry(ty).or_default().entry(name.to_owned()).or_default() += 1;
     }
 
-    fn remove(&self, ty: vk::ObjectType) {
-        self.slot(ty).fetch_sub(1, Ordering::Relaxed);
+    fn remove(&self, ty: vk::ObjectType, name: &str) {
+        let mut objects = self.objects();
+        let of_type = objects.entry(ty).or_default();
+        of_type.entry(name.to_owned()).and_modify(|count| *count -= 1);
+        of_type.retain(|_, count| *count > 0);
     }
 
     pub(crate) fn add_memory(&self, bytes: u64) {
@@ -147,11 +148,14 @@ impl Counters {
         self.bytes.fetch_sub(bytes, Ordering::Relaxed);
     }
 
+    pub(crate) fn named(&self) -> BTreeMap<String, BTreeMap<String, usize>> {
+        let objects = self.objects();
+        let named = objects.iter().filter(|(_, names)| !names.is_empty());
+        named.map(|(ty, names)| (format!("{ty:?}").to_lowercase(), names.clone())).collect()
+    }
+
     pub(crate) fn live(&self) -> Live {
-        let objects = self.objects.iter().enumerate().filter_map(|(ty, n)| {
-            let n = n.load(Ordering::Relaxed);
-            (n > 0).then(|| (format!("{:?}", vk::ObjectType::from_raw(ty as i32)).to_lowercase(), n))
-        });
+        let objects = self.named().into_iter().map(|(kind, names)| (kind, names.values().sum()));
         Live {
             objects: objects.collect(),
             allocations: self.allocations.load(Ordering::Relaxed),

@@ -55,20 +55,23 @@ impl SceneData {
         let globes = (plan.needs.globe_maps > 0).then(|| scene.globe_layers()).transpose()?;
         let globe_layers = globes.as_ref().map(|g| g.first_of_light.as_slice());
         let lights = Lights::new(&scene.lights, plan.shadow_map.as_ref(), globe_layers);
+        let materials: BTreeSet<_> = objects.batches().iter().map(|batch| batch.material).collect();
         let streams = streams(scene, plan, objects.batches());
         let geometry = Geometry::new(device, upload, &scene.meshes, &streams)?;
         let keys = texture_keys(scene, plan, objects.batches());
         let textures = Textures::new(device, upload, &scene.images, &scene.textures, &keys)?;
-        let frames = (0..slots).map(|_| FrameData::new(device, plan, objects.count(), lights.count()));
+        let frame_kinds: Vec<u32> = frame_layouts(pipelines).into_keys().collect();
+        let read = frame_kinds.iter().fold(0, |all, kind| all | kind);
+        let frames = (0..slots).map(|_| FrameData::new(device, plan, read, objects.count(), lights.count()));
         let mut data = Self {
             frame_sets: None,
             material_sets: None,
-            frame_kinds: frame_layouts(pipelines).into_keys().collect(),
             frames: frames.collect::<Result<_>>()?,
+            frame_kinds,
             objects,
             light_lists: LightLists::new(plan, lights.count()),
             lights,
-            materials: Materials::new(device, upload, scene)?,
+            materials: Materials::new(device, upload, scene, &materials)?,
             geometry,
             textures,
             globe_maps: globes.map(|layers| GlobeMaps::new(device, upload, &layers)).transpose()?,
@@ -251,14 +254,14 @@ impl SceneData {
                     continue;
                 }
                 let buffer = match binding {
-                    b if b == const { shared("BINDING_FRAME") } => Some(&frame.uniforms),
+                    b if b == const { shared("BINDING_FRAME") } => frame.uniforms.as_ref(),
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
                     b if b == const { shared("BINDING_LIGHTMAPS") } => frame.lightmap_rects.as_ref(),
-                    b if b == const { shared("BINDING_LIGHTS") } => Some(&frame.lights),
+                    b if b == const { shared("BINDING_LIGHTS") } => frame.lights.as_ref(),
                     b if b == const { shared("BINDING_SHADOW_VIEWS") } => shadows.map(|s| s.views(slot)),
                     _ => frame.light_lists.as_ref(),
                 };
-                // What a pipeline reads exists: surface pipelines only for instances, light lists by the plan.
+                // What a pipeline reads exists.
                 if let Some(buffer) = buffer {
                     sets.write(index, binding, ty, &Content::Buffer(buffer, 0, buffer.size_bytes()));
                 }
@@ -335,10 +338,10 @@ pub(super) fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
 }
 
 /// What each mesh's pipelines read. A mesh has one material, so its pipelines differ in winding only.
-fn streams(scene: &Scene, plan: &Plan, batches: &[Batch]) -> Vec<Streams> {
-    let mut streams = vec![Streams::default(); scene.meshes.len()];
+fn streams(scene: &Scene, plan: &Plan, batches: &[Batch]) -> Vec<Option<Streams>> {
+    let mut streams = vec![None; scene.meshes.len()];
     for batch in batches {
-        streams[batch.mesh] = vertex_streams(surface(plan, batch.pipeline));
+        streams[batch.mesh] = Some(vertex_streams(surface(plan, batch.pipeline)));
     }
     streams
 }

@@ -8,7 +8,7 @@ mod places;
 mod prune;
 mod specialization;
 
-pub use numbers::shared;
+pub use numbers::{shared, shared_names};
 pub use places::AttachmentPlaces;
 pub use prune::{Pruned, prune};
 pub use specialization::{

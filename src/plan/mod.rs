@@ -48,6 +48,7 @@ pub use ledger::{
 };
 pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};
+pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
 pub use options::{

@@ -245,14 +245,14 @@ impl Needs {
         let of_scene = SceneKinds::new(scene);
         let mut kinds: BTreeMap<SurfaceKind, KindNeed> = BTreeMap::new();
         for instance in scene.drawn_instances() {
-            let material = &scene.materials[scene.meshes[instance.mesh].material];
+            let material = scene.meshes[instance.mesh].material;
             let kind = SurfaceKind::new(&of_scene, instance);
             kinds
                 .entry(kind)
                 .or_insert_with(|| KindNeed {
                     kind,
                     instances: 0,
-                    why: format!("material '{}'", material.name),
+                    why: element("material", &scene.materials[material].name, material),
                 })
                 .instances += 1;
         }
@@ -276,7 +276,8 @@ impl Needs {
             ask(|k| k.around == Around::Probes, "receives light of probes");
             prelit.extend(sky.then(|| "the environment is seen behind surfaces".to_owned()));
         }
-        let lights = || scene.lights.iter().filter(|l| !l.is_dark());
+        // Where nothing is lit, lights are nothing.
+        let lights = || scene.lights.iter().filter(|l| lit.is_some() && !l.is_dark());
         let count = |wanted: fn(&LightKind) -> bool| lights().filter(|l| wanted(&l.kind)).count();
         Self {
             prelit,
@@ -315,6 +316,11 @@ impl Needs {
             kinds,
         }
     }
+}
+
+/// An element of a scene as messages name it: by its number if it has no name.
+pub(crate) fn element(kind: &str, name: &str, index: usize) -> String {
+    if name.is_empty() { format!("{kind} {index}") } else { format!("{kind} '{name}'") }
 }
 
 fn lights_at_a_point(scene: &Scene) -> f32 {

@@ -141,7 +141,7 @@ fn geometry_arrives_where_its_offsets_say() {
     };
     let meshes = [mesh(3, &[0, 1, 2]), mesh(70_000, &[0, 69_999, 5]), mesh(4, &[3, 2, 1])];
     let textured = Streams { normals: true, texcoords: [true, false], ..Default::default() };
-    let streams = [textured, Streams::default(), textured];
+    let streams = [textured, Streams::default(), textured].map(Some);
     let mut upload = Upload::new(device);
     let geometry = Geometry::new(device, &mut upload, &meshes, &streams).unwrap();
     Commands::run(device, "upload", |r| {

@@ -73,13 +73,19 @@ fn problems(parts: &PipelineParts) -> Vec<String> {
     problems
 }
 
-/// What a pipeline shares with others of the same surface in another pass: its material's set, for which textures are bound
-/// once, whichever pass reads them.
-fn without_shared_textures(plan: &Plan, mut parts: PipelineParts) -> PipelineParts {
+/// Without what a pipeline shares with others: its material's set, which is bound once and of which passes read more or less, and
+/// the G-buffer, which has all attachments of its layout, though where no light has a place or a shadow nothing reads depth.
+fn without_shared(plan: &Plan, mut parts: PipelineParts) -> PipelineParts {
     const TEXTURES: (u32, u32) = (shared("SET_MATERIAL"), shared("BINDING_TEXTURES"));
-    let is_read = |spirv: &Vec<u32>| Reflection::new(spirv).bindings().iter().any(|(at, _)| *at == TEXTURES);
-    if plan.options.path == Path::ForwardMultipass && !parts.shaders.fragment.as_ref().is_some_and(is_read) {
+    const INPUTS: u32 = shared("SET_INPUTS");
+    let Some(fragment) = &parts.shaders.fragment else { return parts };
+    let mentioned = Reflection::new(fragment).bindings();
+    let is_read = |at: &(u32, u32)| mentioned.iter().any(|(mentioned, _)| mentioned == at);
+    if plan.options.path == Path::ForwardMultipass && !is_read(&TEXTURES) {
         parts.bindings.remove(&TEXTURES);
+    }
+    if parts.name.starts_with("lighting") {
+        parts.bindings.retain(|at, _| at.0 != INPUTS || is_read(at));
     }
     parts
 }
@@ -89,7 +95,7 @@ fn pipelines_provide_what_their_shaders_mention_and_no_more() {
     let mut seen = BTreeSet::new();
     for (name, plan) in plans() {
         for parts in PipelineParts::of(&plan).unwrap() {
-            let parts = without_shared_textures(&plan, parts);
+            let parts = without_shared(&plan, parts);
             assert_eq!(problems(&parts), Vec::<String>::new(), "{name}: {}", parts.name);
             for spirv in std::iter::once(&parts.shaders.vertex).chain(&parts.shaders.fragment) {
                 if seen.insert(spirv.clone())

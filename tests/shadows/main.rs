@@ -1,4 +1,4 @@
-//! Shadows: where they fall, that they stay there, and what they cost.
+//! Shadows: where they fall and what they cost. That they stay there is a sweep of `ontile stability`.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -7,7 +7,6 @@ mod corners;
 mod kept;
 mod pool;
 mod rays;
-mod steady;
 
 use common::render::Gpu;
 use common::scenes::shadow_scenes::{one_light_each, room};

@@ -87,4 +87,7 @@ sweeps! {
     targets_of_any_shape "targets",
     cameras_inside_light_volumes "light-volumes",
     pixels_that_nothing_reaches "steady",
+    shadow_where_there_is_none "shadow-acne",
+    shadows_that_do_not_touch "shadow-gap",
+    shadows_that_swim "shadow-shimmer",
 }

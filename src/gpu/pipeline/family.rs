@@ -3,9 +3,10 @@
 use ash::vk;
 
 use super::super::descriptor::{Binding, set_layout};
-use super::super::shader::shared;
+use super::super::shader::{LightLoop, shared};
 use super::super::shared::LightPush;
 use super::super::{Device, Owned};
+use super::modules::lighting_constants;
 use crate::Result;
 use crate::plan::{Around, Pipeline, Plan};
 
@@ -70,12 +71,13 @@ impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
         // What shading reads of the lights.
+        let constants = lighting_constants(plan, pipeline);
         let of_lighting = [
-            (true, LIGHTS),
-            (plan.clusters.is_some(), CLUSTERS),
-            (plan.shadow_map.is_some(), SHADOW_VIEWS),
-            (plan.shadow_map.is_some(), SHADOW_MAP),
-            (plan.needs.globe_maps > 0, GLOBE_MAPS),
+            (constants.has_listed(), LIGHTS),
+            (constants.scan == LightLoop::Cluster, CLUSTERS),
+            (constants.shadow_filter.is_some(), SHADOW_VIEWS),
+            (constants.shadow_filter.is_some(), SHADOW_MAP),
+            (constants.globe_maps, GLOBE_MAPS),
         ];
         let lighting = of_lighting.into_iter().filter_map(|(is_read, binding)| is_read.then_some(binding));
         let of_lights: Vec<u32> = match pipeline {

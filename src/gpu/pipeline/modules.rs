@@ -6,6 +6,7 @@ use super::super::shader::{
 };
 use crate::environment::TexelFormat;
 use crate::plan::{Pipeline, Plan, SurfaceKind, VolumeShape};
+use crate::visible::ShadowShape;
 
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
 /// are specialised with.
@@ -52,7 +53,7 @@ fn gbuffer_constants(plan: &Plan) -> GBufferConstants {
     }
 }
 
-fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingConstants {
+pub(super) fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingConstants {
     let all = LightingConstants {
         scan: if plan.clusters.is_some() { LightLoop::Cluster } else { LightLoop::All },
         has_directional: plan.needs.directional_lights > 0,
@@ -67,10 +68,16 @@ fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingConstants {
     };
     let one_by_one = plan.light_way.is_one_by_one();
     match pipeline {
-        Pipeline::Lighting if one_by_one => all.only_global(),
-        Pipeline::LightVolume(_) => all.one_local(),
+        Pipeline::Lighting if one_by_one => all.only_global(has_shadows(plan, ShadowShape::Cascades)),
+        Pipeline::LightVolume(_) => all.one_local(
+            [ShadowShape::Slab, ShadowShape::Cone, ShadowShape::Cube].iter().any(|&s| has_shadows(plan, s)),
+        ),
         _ => all,
     }
+}
+
+fn has_shadows(plan: &Plan, shape: ShadowShape) -> bool {
+    plan.shadow_map.iter().flat_map(|map| &map.lights).any(|light| light.shape == shape)
 }
 
 fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::super::shader::{AttachmentPlaces, Shaders};
+use super::super::shader::{AttachmentPlaces, Module, Shaders, Specialization, shared_names};
 use super::super::shadow::{caster_bindings, caster_input, caster_modules};
 use super::{Family, VertexInput, modules};
 use crate::Result;
@@ -26,6 +26,12 @@ pub struct PipelineParts {
     pub targets: u32,
     /// Whether there are push constants.
     pub push_constants: bool,
+    /// Vertex and fragment shader before they were specialised.
+    pub modules: (Module, Option<Module>),
+    /// What they were specialised with, whether they know it or not.
+    pub specialization: Specialization,
+    /// Where the subpass has its attachments.
+    pub places: AttachmentPlaces,
 }
 
 impl PipelineParts {
@@ -48,6 +54,9 @@ impl PipelineParts {
                 targets: fragment.map_or(0, |_| plan.subpass(*stage).2.colors.len() as u32),
                 push_constants: family.has_push_constants(),
                 shaders,
+                modules: (vertex, fragment),
+                specialization: constants,
+                places,
             })
         });
         let casters = plan.shadow_map.iter().flat_map(|map| &map.casters).map(|kind| {
@@ -61,9 +70,36 @@ impl PipelineParts {
                 vertex_bytes: streams.iter().map(|b| b.stride).sum(),
                 targets: 0,
                 push_constants: true,
+                modules: (vertex, fragment),
+                specialization: constants,
+                places: AttachmentPlaces::default(),
             })
         });
         of_plan.chain(casters).collect()
+    }
+
+    /// The specialisation constants that the shaders would be others without: name, as `ID_*` of `glsl/shared.h`, and value. All
+    /// other constants may as well have their defaults.
+    ///
+    /// # Errors
+    /// As of [`Shaders::new`].
+    pub fn constants(&self) -> Result<BTreeMap<&'static str, u32>> {
+        let (vertex, fragment) = self.modules;
+        let mut needed = BTreeMap::new();
+        for (index, id) in self.specialization.ids.iter().enumerate() {
+            let mut without = self.specialization.clone();
+            without.ids.remove(index);
+            let value = without.data.remove(index);
+            // Without the G-buffer's form the shaders have targets that the subpass has not.
+            let same = Shaders::new(vertex, fragment, &without, &self.places).is_ok_and(|shaders| {
+                (&shaders.vertex, &shaders.fragment) == (&self.shaders.vertex, &self.shaders.fragment)
+            });
+            if !same {
+                let name = shared_names("ID_").find(|(_, number)| number == id);
+                needed.insert(name.map_or("(without a name)", |(name, _)| name), value);
+            }
+        }
+        Ok(needed)
     }
 }
 

@@ -36,6 +36,15 @@ pub(super) const fn find(name: &str) -> Option<u32> {
     None
 }
 
+/// All names that `glsl/shared.h` defines with this prefix, without it, and their numbers.
+pub fn shared_names(prefix: &str) -> impl Iterator<Item = (&'static str, u32)> + '_ {
+    let defined = include_str!("../../../glsl/shared.h").lines().filter_map(|l| l.strip_prefix("#define "));
+    defined.filter_map(move |line| {
+        let (name, number) = line.strip_prefix(prefix)?.split_once(' ')?;
+        Some((name, number.parse().ok()?))
+    })
+}
+
 /// Where `text` goes on after `prefix` at `at`.
 const fn skip(text: &[u8], at: usize, prefix: &[u8]) -> Option<usize> {
     let mut i = 0;

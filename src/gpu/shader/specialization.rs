@@ -166,14 +166,21 @@ pub struct LightingConstants {
 }
 
 impl LightingConstants {
-    /// For lights that shine everywhere alone.
-    pub fn only_global(self) -> Self {
-        Self { has_point: false, has_spot: false, has_box: false, ..self }
+    /// For lights that shine everywhere alone; globe maps are of others.
+    pub fn only_global(self, shadows: bool) -> Self {
+        let shadow_filter = self.shadow_filter.filter(|_| shadows);
+        Self { has_point: false, has_spot: false, has_box: false, globe_maps: false, shadow_filter, ..self }
     }
 
     /// For one light that has a place.
-    pub fn one_local(self) -> Self {
-        Self { scan: LightLoop::One, has_directional: false, has_hemisphere: false, ..self }
+    pub fn one_local(self, shadows: bool) -> Self {
+        let shadow_filter = self.shadow_filter.filter(|_| shadows);
+        Self { scan: LightLoop::One, has_directional: false, has_hemisphere: false, shadow_filter, ..self }
+    }
+
+    /// Whether there are lights that are listed in a buffer: all but hemispheres.
+    pub fn has_listed(self) -> bool {
+        self.has_directional || self.has_point || self.has_spot || self.has_box
     }
 
     /// As ids and values.

@@ -19,6 +19,7 @@ mod normals;
 mod parts;
 mod report;
 mod shading;
+mod shadows;
 mod sums;
 
 use serde::Serialize;
@@ -72,6 +73,9 @@ impl Sweep {
         geometry::TARGETS,
         lights::VOLUMES,
         lights::STEADY,
+        shadows::ACNE,
+        shadows::PANNING,
+        shadows::SHIMMER,
     ];
 
     /// The sweep of this name.

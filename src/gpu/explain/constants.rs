@@ -1,0 +1,89 @@
+//! Why pipelines are specialised.
+
+use super::elements::Elements;
+use crate::scene::LightKind;
+
+/// Of numbers with a fraction: these names' values are bits of floats.
+const FLOATS: &[&str] = &[
+    "BACKGROUND_RED",
+    "BACKGROUND_GREEN",
+    "BACKGROUND_BLUE",
+    "FOG_RED",
+    "FOG_GREEN",
+    "FOG_BLUE",
+    "FOG_DENSITY",
+    "FOG_BASE",
+    "FOG_INVERSE_HEIGHT",
+    "LIGHTMAP_UNIT",
+];
+
+/// A constant's value as people read it.
+pub(super) fn shown(name: &str, value: u32) -> String {
+    match FLOATS.contains(&name) {
+        true => f32::from_bits(value).to_string(),
+        false => (value as i32).to_string(),
+    }
+}
+
+impl Elements<'_> {
+    /// The reason for a constant of a pipeline that exists for `element`.
+    pub(super) fn constant(&self, name: &str, value: u32, element: &str) -> String {
+        let options = &self.plan.options;
+        let has = |what: &str| format!("{element} has {what}");
+        let is = |what: &str| format!("{element} is {what}");
+        let by = |wanted: fn(&LightKind) -> bool| self.light(|light| wanted(&light.kind));
+        match name {
+            "TEXTURE_COUNT" => has(&format!("{value} textures")),
+            "SLOT_BASE_COLOR" => has("a base colour texture"),
+            "SLOT_METALLIC_ROUGHNESS" => has("a metallic-roughness texture"),
+            "SLOT_NORMAL" => has("a normal texture"),
+            "SLOT_OCCLUSION" => format!("{} and {}", has("an occlusion texture"), self.around()),
+            "SLOT_EMISSIVE" => has("an emissive texture"),
+            "TEXCOORD_BITS" => has("a texture at TEXCOORD_1"),
+            "TRANSFORM_BITS" => has("a transformed texture"),
+            "ALPHA_MASK" => is("cut by an alpha mask"),
+            "DOUBLE_SIDED" => is("double-sided"),
+            "UNLIT" => is("unlit"),
+            "VERTEX_COLOR" => format!("the mesh of {element} has vertex colours"),
+            "EMISSIVE" => is("emissive"),
+            "HAS_DIRECTIONAL" => by(|kind| matches!(kind, LightKind::Directional { .. })),
+            "HAS_POINT" => by(|kind| matches!(kind, LightKind::Point { .. })),
+            "HAS_SPOT" => by(|kind| matches!(kind, LightKind::Spot { .. })),
+            "HAS_BOX" => by(|kind| matches!(kind, LightKind::Box { .. })),
+            "HAS_HEMISPHERE" => by(|kind| matches!(kind, LightKind::Hemisphere { .. })),
+            "HAS_BACK" => {
+                let is_hemisphere = |kind| matches!(kind, LightKind::Hemisphere { .. });
+                self.light(|light| light.has_back() && !is_hemisphere(light.kind)) + " has a back colour"
+            }
+            "CLUSTERS" => format!("the way of lights is {}", self.plan.light_way),
+            "ONE_LIGHT" => format!("the way of lights is {}: one at a time", self.plan.light_way),
+            "VOLUME_SHAPE" => format!("the shape of {element}"),
+            "GLOBE_MAPS" => self.globe_light(),
+            "SHADOWS" => self.shadow_lights(),
+            "SHADOW_FILTER" => {
+                format!("{}; the option shadow filter is {}", self.shadow_lights(), options.shadows.filter)
+            }
+            "FOLD" => "no light exists before lighting, which applies the tone curve itself".into(),
+            "LIGHT_TARGET" => match self.plan.needs.prelit.first() {
+                Some(prelit) => prelit.clone(),
+                None => "light is summed before the tone curve".into(),
+            },
+            "AMBIENT" => format!("{element} receives {}", self.around()),
+            "ENVIRONMENT" => format!("{element} receives {}", self.around()),
+            "PROBES" => format!("{element} receives {}", self.around()),
+            "HAS_ENVIRONMENT" => format!("environment '{}' is seen beside probes", self.environment()),
+            "RGBM" => format!("radiance is stored as rgbm: {}", self.around()),
+            "LIGHTMAP" => format!("{element} has a part of the lightmap"),
+            "LIGHTMAP_UNIT" => "the lightmap's unit".into(),
+            "LIGHTMAP_RGBM" => format!("the option lightmap format is {}", options.lightmap_format),
+            "TONEMAP" => format!("the option tonemap is {}", options.tonemap),
+            "DITHER" => "the option dither".into(),
+            "BACKGROUND" | "BACKGROUND_RED" | "BACKGROUND_GREEN" | "BACKGROUND_BLUE" => {
+                "the scene's background is a colour".into()
+            }
+            "FOG" | "FOG_RED" | "FOG_GREEN" | "FOG_BLUE" | "FOG_DENSITY" => "the scene has fog".into(),
+            "FOG_BASE" | "FOG_INVERSE_HEIGHT" => "the scene's fog gets thinner with height".into(),
+            _ => "asked for by the options".into(),
+        }
+    }
+}

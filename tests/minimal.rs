@@ -1,0 +1,6 @@
+//! No more exists than the scene needs.
+
+mod common;
+
+#[path = "minimal/created.rs"]
+mod created;
