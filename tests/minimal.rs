@@ -4,3 +4,7 @@ mod common;
 
 #[path = "minimal/created.rs"]
 mod created;
+#[path = "minimal/features.rs"]
+mod features;
+#[path = "minimal/used.rs"]
+mod used;

@@ -3,11 +3,13 @@
 //! [`Module::ALL`] is the one list. `tools/shaders` compiles it into `glsl/spirv/`, this module embeds the result,
 //! and a test compares the two.
 
+mod declared;
 mod numbers;
 mod places;
 mod prune;
 mod specialization;
 
+pub(in crate::gpu) use declared::declared;
 pub use numbers::{shared, shared_names};
 pub use places::AttachmentPlaces;
 pub use prune::{Pruned, prune};

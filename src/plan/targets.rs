@@ -106,7 +106,7 @@ impl GBuffer {
             Form::Packed128 => vec![Target {
                 name: "words",
                 format: Format::Rg32Uint,
-                holds: "octahedral normal 12 + 12, roughness 8; root of base colour 9 + 10 + 9, metallicness 4",
+                holds: "octahedral normal 11 + 11, roughness 9; hyperbola of base colour 9 + 9 + 9, metallicness 6",
                 used_bits: 64,
                 clear: NOTHING,
                 tells: Tells::Surface,

@@ -93,6 +93,16 @@ pub fn load_color(gamma: Gamma, stored: DVec3) -> DVec3 {
     }
 }
 
+/// What stands for a gamma in `packed128`: x 1.7 / (x + 0.7).
+fn hyperbola(linear: DVec3) -> DVec3 {
+    linear * 1.7 / (linear + 0.7)
+}
+
+/// The inverse of [`hyperbola`].
+fn from_hyperbola(t: DVec3) -> DVec3 {
+    t * 0.7 / (1.7 - t)
+}
+
 /// A number beside a colour.
 fn store_beside(gamma: Gamma, value: f64) -> f64 {
     if gamma == Gamma::Float { float32(value) } else { unorm(value, 8) }
@@ -140,12 +150,12 @@ pub fn encode(gbuffer: &GBuffer, attributes: &Attributes, view: &View, light_fac
             [four(0), four(4), DVec4::ZERO, DVec4::ZERO]
         }
         Form::Packed128 => {
-            let n = if lit { octahedral_codes(normal, 12) } else { DVec2::ZERO };
+            let n = if lit { octahedral_codes(normal, 11) } else { DVec2::ZERO };
             let code = |value: f64, bits: u32| (unorm(value, bits) * f64::from((1_u32 << bits) - 1)) as u32;
-            let root = each(base.clamp(DVec3::ZERO, DVec3::ONE), f64::sqrt);
-            let first = n.x as u32 | (n.y as u32) << 12 | code(roughness, 8) << 24;
-            let second = code(root.x, 9) | code(root.y, 10) << 9 | code(root.z, 9) << 19;
-            let second = second | code(metallic, 4) << 28;
+            let color = hyperbola(base.clamp(DVec3::ZERO, DVec3::ONE));
+            let metallic = code(metallic, 6);
+            let first = n.x as u32 | (n.y as u32) << 11 | code(roughness, 9) << 22 | metallic >> 5 << 31;
+            let second = code(color.x, 9) | code(color.y, 9) << 9 | code(color.z, 9) << 18 | metallic << 27;
             let surface = DVec4::new(f64::from(first), f64::from(second), 0.0, 0.0);
             [surface, DVec4::X * f64::from(word_of(e5b9g9r9(scaled))), DVec4::ZERO, DVec4::ZERO]
         }
@@ -185,16 +195,14 @@ pub fn decode(
         }
         Form::Packed128 => {
             let [first, second] = [a.x as u32, a.y as u32];
-            let codes = DVec2::new(f64::from(first & 0xfff), f64::from(first >> 12 & 0xfff));
-            let value = |at: u32, bits: u32| {
-                let most = (1_u32 << bits) - 1;
-                f64::from(second >> at & most) / f64::from(most)
-            };
-            let normal = (codes != DVec2::ZERO)
-                .then(|| (direction_from_octahedral_codes(codes, 12), f64::from(first >> 24) / 255.0));
-            let root = DVec3::new(value(0, 9), value(9, 10), value(19, 9));
-            Read { light: Some(from_word(b.x as u32)), ..Read::at_depth(normal) }
-                .colored(root * root, value(28, 4))
+            let codes = DVec2::new(f64::from(first & 0x7ff), f64::from(first >> 11 & 0x7ff));
+            let channel = |at: u32| f64::from(second >> at & 511) / 511.0;
+            let roughness = f64::from(first >> 22 & 511) / 511.0;
+            let normal =
+                (codes != DVec2::ZERO).then(|| (direction_from_octahedral_codes(codes, 11), roughness));
+            let color = from_hyperbola(DVec3::new(channel(0), channel(9), channel(18)));
+            let metallic = f64::from(first >> 31 << 5 | second >> 27) / 63.0;
+            Read { light: Some(from_word(b.x as u32)), ..Read::at_depth(normal) }.colored(color, metallic)
         }
         Form::Thibieroz128 => {
             let normal = (b.w > 0.0).then(|| ((b.truncate() * 2.0 - 1.0).normalize_or_zero(), a.w));

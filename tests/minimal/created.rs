@@ -64,7 +64,7 @@ fn differences(
 }
 
 /// What is wrong with the explanation of a scene, or with what is created for it.
-fn problems(gpu: &Gpu<'_>, scene: &Scene, options: Options) -> Vec<String> {
+pub fn problems(gpu: &Gpu<'_>, scene: &Scene, options: Options) -> Vec<String> {
     const SLOTS: usize = 2;
     let what = format!("{} {} {} {}", scene.name, options.path, options.lights, options.strategy);
     let plan = gpu.plan(scene, options);
@@ -89,7 +89,8 @@ fn what_is_created_is_what_is_explained() {
     on_device(None, |gpu| {
         let small = || Options { size: [64, 36], ..Options::default() };
         let mut all = Vec::new();
-        for scene in scenes::built().into_iter().chain(scenes::shipped()) {
+        let samples = scenes::sample_files().into_iter().map(|file| Scene::load(&file).unwrap());
+        for scene in scenes::built().into_iter().chain(scenes::shipped()).chain(samples) {
             all.extend(problems(gpu, &scene, small()));
         }
         for scene in [scenes::every_feature(), scenes::shadow_scenes::shadows(), scenes::foggy_lights()] {

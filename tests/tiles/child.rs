@@ -6,7 +6,8 @@ use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
 use ontile::plan::{
-    Access, Adreno, Bins, Layout, LightWay, Needs, Options, Path as LightPath, Plan, Store, Strategy,
+    Access, Adreno, Bins, DepthStore, Layout, LightWay, Limits, Needs, Options, Path as LightPath, Plan,
+    Store, Strategy,
 };
 use ontile::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,7 @@ pub struct Case {
     /// One of `scenes::built`, by name.
     pub scene: String,
     pub layout: Layout,
+    pub depth: Option<DepthStore>,
     pub path: LightPath,
     pub lights: LightWay,
     pub depth_prepass: bool,
@@ -68,6 +70,7 @@ impl Case {
         Self {
             scene: scene.into(),
             layout,
+            depth: None,
             path: LightPath::Deferred,
             lights: LightWay::Fullscreen,
             depth_prepass: false,
@@ -92,13 +95,16 @@ impl Case {
             size: SIZE,
             strategy: self.strategy,
             layout: self.layout,
+            depth: self.depth,
             path: self.path,
             lights: self.lights,
             depth_prepass: self.depth_prepass,
             recycle: self.recycle,
             ..Options::default()
         };
-        let mut plan = Plan::new(Needs::of(scene), options, &Default::default()).unwrap();
+        // What every Adreno of these generations allows.
+        let limits = Limits { max_color_attachments: 8, max_input_attachments: 8, ..Limits::default() };
+        let mut plan = Plan::new(Needs::of(scene), options, &limits).unwrap();
         if let Some(fault) = self.fault {
             spoil(&mut plan, fault);
         }

@@ -11,7 +11,7 @@ mod common;
 use child::{Case, Fault, Told};
 use common::turnip::{self, Turnip};
 use ontile::measure::tiler::{TilerTrace, Verdict};
-use ontile::plan::{Bins, Layout, LightWay, Path as LightPath, Strategy};
+use ontile::plan::{Bins, DepthStore, Layout, LightWay, Path as LightPath, Strategy};
 use serde_json::Value;
 use std::{path::Path, thread};
 
@@ -156,6 +156,22 @@ fn one_pass_stays_on_the_tile() {
         (3, metallic(ALL_STAGES)),
         (3, Case { recycle: false, ..metallic(ALL_STAGES) }),
         (3, Case::new(ALL_STAGES, Layout::Exact)),
+        (3, Case::new(ALL_STAGES, Layout::Specular160)),
+        (2, Case::new(ALL_STAGES, Layout::Metallic256)),
+        (2, Case::new(ALL_STAGES, Layout::Specular256)),
+        (3, Case::new(ALL_STAGES, Layout::Thibieroz128)),
+        (3, Case::new(ALL_STAGES, Layout::Thibieroz96)),
+        (3, Case::new(ALL_STAGES, Layout::Rasa128)),
+        (3, Case::new(ALL_STAGES, Layout::Dissertation192)),
+        (3, Case::new(ALL_STAGES, Layout::Ontile128)),
+        (3, Case::new(ALL_STAGES, Layout::Ontile96)),
+        (2, Case::new("lights_only", Layout::Ontile64)),
+        (2, Case::new(ALL_STAGES, Layout::Packed128)),
+        (2, Case::new("lights_only", Layout::Packed128)),
+        (3, Case { lights: LightWay::Volumes, ..Case::new(ALL_STAGES, Layout::Ontile128) }),
+        (3, Case { lights: LightWay::Stencil, ..Case::new(ALL_STAGES, Layout::Ontile128) }),
+        (3, Case { depth: Some(DepthStore::D16), ..Case::new(ALL_STAGES, Layout::Ontile128) }),
+        (3, Case { depth: Some(DepthStore::D24), ..Case::new(ALL_STAGES, Layout::Ontile128) }),
         (3, metallic("emissive")),
         (2, metallic("lights_only")),
         (2, metallic("shadows")),

@@ -83,6 +83,9 @@ impl Elements<'_> {
             }
             "FOG" | "FOG_RED" | "FOG_GREEN" | "FOG_BLUE" | "FOG_DENSITY" => "the scene has fog".into(),
             "FOG_BASE" | "FOG_INVERSE_HEIGHT" => "the scene's fog gets thinner with height".into(),
+            "FORM" | "DEPTH_TARGET" | "NORMALS" | "GAMMA" | "GBUFFER" | "LIGHT_READ" | "LIGHT_ALPHA" => {
+                format!("how the G-buffer {} and the light target store it", options.layout)
+            }
             _ => "asked for by the options".into(),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::super::shader::{AttachmentPlaces, Module, Shaders, Specialization, shared_names};
+use super::super::shader::{AttachmentPlaces, Module, Shaders, Specialization, declared, shared_names};
 use super::super::shadow::{caster_bindings, caster_input, caster_modules};
 use super::{Family, VertexInput, modules};
 use crate::Result;
@@ -86,7 +86,14 @@ impl PipelineParts {
     pub fn constants(&self) -> Result<BTreeMap<&'static str, u32>> {
         let (vertex, fragment) = self.modules;
         let mut needed = BTreeMap::new();
+        let mut defaults = declared(vertex.spirv()?);
+        if let Some(fragment) = fragment {
+            defaults.extend(declared(fragment.spirv()?));
+        }
         for (index, id) in self.specialization.ids.iter().enumerate() {
+            if defaults.get(id).is_none_or(|default| *default == self.specialization.data[index]) {
+                continue;
+            }
             let mut without = self.specialization.clone();
             without.ids.remove(index);
             let value = without.data.remove(index);

@@ -1,0 +1,242 @@
+//! Nothing exists for a scene that no element of it uses: each kind of object, with what must be in the scene for it to exist.
+//! What is in a scene is read off the scene itself.
+
+use std::collections::BTreeMap;
+
+use super::common::scenes;
+use super::features::objects;
+use ontile::glam::Vec3;
+use ontile::gpu::{ExplainedKind, Explanation};
+use ontile::plan::{Limits, Needs, Options, Plan};
+use ontile::scene::{AlphaMode, Background, LightKind, Material, Mesh, Scene, TextureRef};
+
+/// Meshes that are drawn, with their materials.
+fn drawn(scene: &Scene) -> impl Iterator<Item = (&Mesh, &Material)> {
+    let shown = scene.instances.iter().map(|instance| &scene.meshes[instance.mesh]);
+    shown.filter(|mesh| !mesh.indices.is_empty()).map(|mesh| (mesh, &scene.materials[mesh.material]))
+}
+
+fn has_sky_light(scene: &Scene) -> bool {
+    scene.environment.as_ref().is_some_and(|environment| environment.intensity > 0.0)
+}
+
+/// Whether something arrives from all around.
+fn has_around(scene: &Scene) -> bool {
+    scene.ambient_nt != Vec3::ZERO || has_sky_light(scene) || !scene.probes.is_empty()
+}
+
+/// The textures that change how a mesh of this material looks, in the order of the shader's slots.
+fn textures(scene: &Scene, mesh: &Mesh, material: &Material) -> [Option<TextureRef>; 5] {
+    let lit = !material.unlit;
+    let shaped = lit && !mesh.tangents.is_empty();
+    let occluded = lit && material.occlusion_strength != 0.0 && has_around(scene);
+    let glows = lit && material.emissive_factor != Vec3::ZERO;
+    let there = |texture: Option<TextureRef>, used| {
+        texture.filter(|texture| used && !mesh.texcoords[texture.texcoord].is_empty())
+    };
+    [
+        there(material.base_color_texture, true),
+        there(material.metallic_roughness_texture, lit),
+        there(material.normal_texture, shaped),
+        there(material.occlusion_texture, occluded),
+        there(material.emissive_texture, glows),
+    ]
+}
+
+/// What has to be true for objects whose names begin like this.
+fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
+    let any = |wanted: &dyn Fn(&Mesh, &Material) -> bool| {
+        drawn(scene).any(|(mesh, material)| wanted(mesh, material))
+    };
+    let is_drawn = any(&|_, _| true);
+    let lit = any(&|_, material| !material.unlit);
+    let unlit = any(&|_, material| material.unlit);
+    let slot = |slot: usize| any(&|mesh, material| textures(scene, mesh, material)[slot].is_some());
+    let texture = |wanted: fn(&TextureRef) -> bool| {
+        any(&|mesh, material| textures(scene, mesh, material).iter().flatten().any(wanted))
+    };
+    let textured = (0..5).any(slot);
+    let colored = any(&|mesh, _| !mesh.colors.is_empty());
+    let masked = any(&|_, material| matches!(material.alpha_mode, AlphaMode::Mask { .. }));
+    let glows = any(&|_, material| !material.unlit && material.emissive_factor != Vec3::ZERO);
+    let shining = || scene.lights.iter().filter(|light| lit && !light.is_dark());
+    let light = |wanted: fn(&LightKind) -> bool| shining().any(|light| wanted(&light.kind));
+    let directional = light(|kind| matches!(kind, LightKind::Directional { .. }));
+    let hemisphere = light(|kind| matches!(kind, LightKind::Hemisphere { .. }));
+    let local = light(|kind| {
+        matches!(kind, LightKind::Point { .. } | LightKind::Spot { .. } | LightKind::Box { .. })
+    });
+    let lights = directional || local || hemisphere;
+    let triangles: usize = drawn(scene).map(|(mesh, _)| mesh.indices.len() / 3).sum();
+    let hides = triangles > 1;
+    let shadow = hides && shining().any(|light| light.shadow.is_some());
+    let moves = scene.instances.iter().any(|instance| instance.dynamic);
+    let globe = shining().any(|light| light.globe_map.is_some());
+    let sky = has_sky_light(scene) && scene.background == Background::Environment;
+    let around = lit && has_around(scene);
+    let environment = lit && has_sky_light(scene);
+    let probes = lit && !scene.probes.is_empty();
+    let lightmap = lit && scene.lightmap.is_some() && scene.instances.iter().any(|i| i.lightmap.is_some());
+    let summed = lit && lights && (glows || unlit || around || lightmap || sky);
+    let color = matches!(scene.background, Background::Color(_));
+    let fog = is_drawn && scene.fog.is_some_and(|fog| fog.density_per_m > 0.0);
+    vec![
+        ("attachment output", true),
+        ("attachment depth_test", hides || (sky && is_drawn)),
+        ("attachment depth", lit && lights),
+        ("attachment normal_roughness", lit && lights),
+        ("attachment base_metallic", lit && lights),
+        ("attachment light", summed),
+        ("subpass geometry", true),
+        ("subpass forward", lit && !lights),
+        ("subpass lighting", lit && lights),
+        ("subpass tonemap", summed),
+        ("pipeline surface unlit", unlit),
+        ("pipeline surface lit", lit),
+        ("pipeline lighting", lit && lights),
+        ("pipeline tonemap", summed),
+        ("pipeline sky", sky),
+        ("pipeline shadow", shadow),
+        ("pipeline shadow compose", shadow && moves),
+        ("surface unlit:", unlit),
+        ("surface unlit: UNLIT", unlit && lit),
+        ("surface unlit: binding radiance", false),
+        ("surface unlit: attribute normal", false),
+        ("surface unlit: attribute tangent", false),
+        ("surface unlit: attribute colour", colored),
+        ("surface unlit: attribute texture coordinates", textured),
+        ("surface unlit: binding textures", textured),
+        ("surface unlit: SLOT_", slot(0)),
+        ("surface unlit: TEXCOORD_BITS", texture(|texture| texture.texcoord == 1)),
+        ("surface unlit: TRANSFORM_BITS", texture(|t| t.uv_from_texcoord != TextureRef::IDENTITY)),
+        ("surface unlit: VERTEX_COLOR", colored),
+        ("surface unlit: ALPHA_MASK", masked),
+        ("surface unlit: FOG", fog),
+        ("surface unlit: LIGHT_TARGET", summed),
+        ("surface lit:", lit),
+        ("surface lit: attribute colour", colored),
+        ("surface lit: attribute tangent", slot(2)),
+        ("surface lit: attribute texture coordinates", textured || lightmap),
+        ("surface lit: binding textures", textured),
+        ("surface lit: binding split sum", around),
+        ("surface lit: binding environment", environment || probes),
+        ("surface lit: binding radiance", environment || probes),
+        ("surface lit: binding probes", probes),
+        ("surface lit: binding lightmap", lightmap),
+        ("surface lit: binding lights", !lights),
+        ("surface lit: SLOT_BASE_COLOR", slot(0)),
+        ("surface lit: SLOT_METALLIC_ROUGHNESS", slot(1)),
+        ("surface lit: SLOT_NORMAL", slot(2)),
+        ("surface lit: SLOT_OCCLUSION", slot(3)),
+        ("surface lit: SLOT_EMISSIVE", slot(4)),
+        ("surface lit: TEXTURE_COUNT", (0..5).filter(|&s| slot(s)).count() > 1),
+        ("surface lit: TEXCOORD_BITS", texture(|texture| texture.texcoord == 1)),
+        ("surface lit: TRANSFORM_BITS", texture(|t| t.uv_from_texcoord != TextureRef::IDENTITY)),
+        ("surface lit: VERTEX_COLOR", colored),
+        ("surface lit: ALPHA_MASK", masked),
+        ("surface lit: DOUBLE_SIDED", any(&|_, material| material.double_sided)),
+        ("surface lit: EMISSIVE", glows),
+        ("surface lit: AMBIENT", around),
+        ("surface lit: ENVIRONMENT", environment || probes),
+        ("surface lit: PROBES", probes),
+        ("surface lit: HAS_ENVIRONMENT", probes && environment),
+        ("surface lit: LIGHTMAP", lightmap),
+        ("surface lit: LIGHT_TARGET", summed),
+        ("surface lit: FOG", fog && !lights),
+        ("lighting:", lights),
+        ("lighting: binding lights", directional || local),
+        ("lighting: binding light lists", local),
+        ("lighting: binding shadow", shadow),
+        ("lighting: binding globe maps", globe),
+        ("lighting: CLUSTERS", local),
+        ("lighting: HAS_DIRECTIONAL", directional),
+        ("lighting: HAS_POINT", light(|kind| matches!(kind, LightKind::Point { .. }))),
+        ("lighting: HAS_SPOT", light(|kind| matches!(kind, LightKind::Spot { .. }))),
+        ("lighting: HAS_BOX", light(|kind| matches!(kind, LightKind::Box { .. }))),
+        ("lighting: HAS_HEMISPHERE", hemisphere),
+        ("lighting: HAS_BACK", shining().any(|light| light.back_color != Vec3::ZERO)),
+        ("lighting: SHADOW", shadow),
+        ("lighting: GLOBE_MAPS", globe),
+        ("lighting: FOLD", !summed),
+        ("lighting: FOG", fog && !summed),
+        ("lighting: BACKGROUND", color && !summed),
+        ("tonemap:", summed),
+        ("tonemap: input depth", fog),
+        ("tonemap: FOG", fog),
+        ("tonemap: BACKGROUND", color),
+        ("sky:", sky),
+        ("sky: PROBES", probes),
+        ("sky: LIGHT_TARGET", summed),
+        ("shadow c", shadow),
+        ("image ", textured),
+        ("image split sum", around),
+        ("image radiance", environment || probes || sky),
+        ("image lightmap", lightmap),
+        ("image globe maps", globe),
+        ("image shadow map", shadow),
+        ("image static shadow map", shadow && moves),
+        ("buffer vertices", is_drawn),
+        ("buffer indices", is_drawn),
+        ("buffer materials", is_drawn),
+        ("buffer instances", is_drawn),
+        ("buffer frame", is_drawn || sky),
+        ("buffer lights", directional || local),
+        ("buffer light lists", local),
+        ("buffer lightmap parts", lightmap),
+        ("buffer environment", environment || probes || sky),
+        ("buffer probes", probes),
+        ("buffer shadow views", shadow),
+        ("buffer casters", shadow),
+    ]
+}
+
+/// Pictures that should be on the device: once as colour and once as data, by name.
+fn pictures(scene: &Scene) -> BTreeMap<String, usize> {
+    let mut used = std::collections::BTreeSet::new();
+    for (mesh, material) in drawn(scene) {
+        for (slot, texture) in textures(scene, mesh, material).into_iter().enumerate() {
+            let is_color = slot == 0 || slot == 4;
+            used.extend(texture.map(|texture| (scene.textures[texture.texture].image, is_color)));
+        }
+    }
+    let mut names = BTreeMap::new();
+    used.iter().for_each(|(image, _)| *names.entry(scene.images[*image].name.clone()).or_default() += 1);
+    names
+}
+
+fn problems(scene: &Scene) -> Vec<String> {
+    let options = Options::default();
+    let rules = rules(scene);
+    let unused = |object: &String| {
+        let known =
+            rules.iter().filter(|(begin, _)| object.starts_with(begin)).max_by_key(|(begin, _)| begin.len());
+        !known.is_some_and(|(_, holds)| *holds)
+    };
+    let mut problems: Vec<_> = objects(scene, &options)
+        .into_iter()
+        .filter(unused)
+        .map(|object| format!("{}: nothing uses '{object}'", scene.name))
+        .collect();
+    let plan = Plan::new(Needs::of(scene), options, &Limits::default()).unwrap();
+    let around: Vec<_> = plan.around.iter().map(|image| image.name.replace('_', " ")).collect();
+    let others = ["globe maps", "shadow map", "static shadow map"];
+    let mut uploaded: BTreeMap<String, usize> = BTreeMap::new();
+    for object in Explanation::new(scene, &plan).unwrap().objects {
+        let is_picture = !around.contains(&object.name) && !others.contains(&object.name.as_str());
+        if object.kind == ExplainedKind::Image && is_picture {
+            *uploaded.entry(object.name).or_default() += 1;
+        }
+    }
+    if uploaded != pictures(scene) {
+        problems.push(format!("{}: pictures {uploaded:?}, used {:?}", scene.name, pictures(scene)));
+    }
+    problems
+}
+
+#[test]
+fn no_scene_has_what_nothing_in_it_uses() {
+    let samples = scenes::sample_files().into_iter().map(|file| Scene::load(&file).unwrap());
+    let all = scenes::built().into_iter().chain(scenes::shipped()).chain(samples);
+    let problems: Vec<_> = all.flat_map(|scene| problems(&scene)).collect();
+    assert!(problems.is_empty(), "{}", problems.join("\n"));
+}
