@@ -260,7 +260,7 @@ impl std::fmt::Display for OfScene {
                 modelled.what,
                 m.n,
                 m.n_mrt,
-                m.mrt_bpp,
+                (m.mrt_bpp * 1e3).round() / 1e3,
                 m.z_bpp,
                 m.bb_bpp,
                 m.overdraw,

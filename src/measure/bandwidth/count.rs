@@ -122,7 +122,10 @@ pub fn count(
         Some(map) => {
             let lights = map.lights.iter().map(|light| scene.lights[light.light].clone()).collect();
             let only = Scene { lights, ..scene.clone() }.without_shadows();
-            let one_by_one = Options { path: Path::Deferred, lights: LightWay::Stencil, ..options.clone() };
+            // What a volume holds is the same whatever the G-buffer, and not every one can have lights added to it.
+            let lights = LightWay::Stencil;
+            let one_by_one =
+                Options { size: options.size, path: Path::Deferred, lights, ..Options::default() };
             let plan = Plan::new(Needs::of(&only), one_by_one, &limits)?;
             let (draws, _) = frame(&only, plan.clone())?;
             let lights = |draw: &DrawCount| match plan.pipelines[draw.pipeline].1 {
