@@ -10,8 +10,8 @@
 const float MIN_ROUGHNESS_MEDIUMP = 0.089;
 const float MAX_HALF = 65504.0;
 
-// To the nearest half, ties to even. Not packHalf2x16, whose direction of rounding Vulkan leaves to the device.
-float as_half(float x) {
+// What `mediump` holds of a number: the nearest half, ties to even. Not packHalf2x16, whose direction of rounding Vulkan leaves to the device.
+float held(float x) {
     const float least_normal = exp2(-14.0);
     const float least = exp2(-24.0);
     if (abs(x) < least_normal) {
@@ -22,56 +22,56 @@ float as_half(float x) {
     return abs(rounded) > MAX_HALF ? sign(x) * uintBitsToFloat(0x7f800000u) : rounded;
 }
 
-vec3 as_half(vec3 x) {
-    return vec3(as_half(x.x), as_half(x.y), as_half(x.z));
+vec3 held(vec3 x) {
+    return vec3(held(x.x), held(x.y), held(x.z));
 }
 
 // Of halves; their products fit into floats, so that each line has one rounding, that of a fused multiply-add.
 float dot_mediump(vec3 a, vec3 b) {
-    float xy = as_half(a.y * b.y + as_half(a.x * b.x));
-    return as_half(a.z * b.z + xy);
+    float xy = held(a.y * b.y + held(a.x * b.x));
+    return held(a.z * b.z + xy);
 }
 
 vec3 cross_mediump(vec3 a, vec3 b) {
-    return as_half(a.yzx * b.zxy - as_half(a.zxy * b.yzx));
+    return held(a.yzx * b.zxy - held(a.zxy * b.yzx));
 }
 
 float lambda_mediump(float cosine, float a2) {
-    return as_half(sqrt(as_half(as_half(cosine * cosine) * as_half(1.0 - a2) + a2)));
+    return held(sqrt(held(held(cosine * cosine) * held(1.0 - a2) + a2)));
 }
 
 Reflector reflector_mediump(Surface surface, vec3 v) {
-    vec3 n = as_half(surface.normal_world);
-    vec3 v_half = as_half(v);
-    float roughness = as_half(max(surface.roughness, MIN_ROUGHNESS_MEDIUMP));
-    float alpha = as_half(roughness * roughness);
-    float a2 = as_half(alpha * alpha);
+    vec3 n = held(surface.normal_world);
+    vec3 v_half = held(v);
+    float roughness = held(max(surface.roughness, MIN_ROUGHNESS_MEDIUMP));
+    float alpha = held(roughness * roughness);
+    float a2 = held(alpha * alpha);
     float n_dot_v = clamp(dot_mediump(n, v_half), MIN_N_DOT_V, 1.0);
-    vec3 f0 = as_half(surface.f0);
-    return Reflector(n, n_dot_v, v_half, alpha, a2, lambda_mediump(n_dot_v, a2), f0, as_half(1.0 - f0));
+    vec3 f0 = held(surface.f0);
+    return Reflector(n, n_dot_v, v_half, alpha, a2, lambda_mediump(n_dot_v, a2), f0, held(1.0 - f0));
 }
 
 Reflected brdf_mediump(Reflector r, vec3 l_highp) {
-    vec3 l = as_half(l_highp);
+    vec3 l = held(l_highp);
     float n_dot_l = clamp(dot_mediump(r.n, l), 0.0, 1.0);
-    vec3 half_way = as_half(r.v + l);
+    vec3 half_way = held(r.v + l);
     // Light that shines straight at the viewer has no direction half way.
     const float least = exp2(-14.0);
-    vec3 h = as_half(half_way * as_half(inversesqrt(max(dot_mediump(half_way, half_way), least))));
+    vec3 h = held(half_way * held(inversesqrt(max(dot_mediump(half_way, half_way), least))));
 
     float n_dot_h = clamp(dot_mediump(r.n, h), 0.0, 1.0);
     vec3 n_cross_h = cross_mediump(r.n, h);
-    float a = as_half(n_dot_h * r.alpha);
-    float f = max(as_half(a * a + dot_mediump(n_cross_h, n_cross_h)), r.a2);
-    float d = n_dot_h > 0.0 ? as_half(as_half(as_half(r.a2 / f) / f) / PI) : 0.0;
+    float a = held(n_dot_h * r.alpha);
+    float f = max(held(a * a + dot_mediump(n_cross_h, n_cross_h)), r.a2);
+    float d = n_dot_h > 0.0 ? held(held(held(r.a2 / f) / f) / PI) : 0.0;
 
     float lambda_l = lambda_mediump(n_dot_l, r.a2);
-    float visibility = as_half(0.5 / as_half(n_dot_l * r.lambda_v + as_half(r.n_dot_v * lambda_l)));
-    float specular = min(as_half(d * min(visibility, MAX_HALF)), MAX_HALF);
+    float visibility = held(0.5 / held(n_dot_l * r.lambda_v + held(r.n_dot_v * lambda_l)));
+    float specular = min(held(d * min(visibility, MAX_HALF)), MAX_HALF);
 
-    float m = as_half(1.0 - clamp(dot_mediump(r.v, h), 0.0, 1.0));
-    float m2 = as_half(m * m);
-    float m5 = as_half(as_half(m2 * m2) * m);
-    float diffuse = as_half(as_half(1.0 - DIELECTRIC_F0) * as_half(1.0 - m5));
-    return Reflected(vec3(diffuse), as_half(specular * as_half(r.f0 + as_half(r.f_rise * m5))));
+    float m = held(1.0 - clamp(dot_mediump(r.v, h), 0.0, 1.0));
+    float m2 = held(m * m);
+    float m5 = held(held(m2 * m2) * m);
+    float diffuse = held(held(1.0 - DIELECTRIC_F0) * held(1.0 - m5));
+    return Reflected(vec3(diffuse), held(specular * held(r.f0 + held(r.f_rise * m5))));
 }

@@ -27,7 +27,7 @@ vec3 light_around(Surface surface, float n_dot_v, vec3 diffuse_nt, vec3 specular
     vec2 albedo = specular_albedo(n_dot_v, surface.roughness);
     vec3 reflectance = surface.f0 * albedo.x + albedo.y;
     if (BRDF == BRDF_MEDIUMP) {
-        reflectance = as_half(as_half(surface.f0) * as_half(albedo.x) + as_half(albedo.y));
+        reflectance = held(held(surface.f0) * held(albedo.x) + held(albedo.y));
     }
     vec3 diffuse = diffuse_nt * diffuse_albedo(surface, n_dot_v);
     return occlusion * (diffuse + specular_nt * reflectance);
