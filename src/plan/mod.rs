@@ -52,7 +52,7 @@ pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
 pub use options::{
-    DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, OutputUse, Path,
+    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, OutputUse, Path,
     ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
 };
 pub use shadow::{
@@ -345,7 +345,8 @@ impl Plan {
         let around = around::images(&needs, &options);
         let pipelines = pipelines(&frame, &needs, light_way);
         let folded = frame.folded;
-        let mut notes = notes::of(&needs, &options, &gbuffer, path, &attachments, folded);
+        let mut notes = options.gbuffer_why.clone();
+        notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));

@@ -6,7 +6,7 @@ use super::data::{Errors, Truth};
 use crate::gpu::{Device, Offscreen, PipelineCache, RendererConfig, View};
 use crate::measure::{compare, stored};
 use crate::picture::{Picture, Pixels};
-use crate::plan::{Choice, Layout, Needs, Options, OutputFormat, Plan, Tonemap};
+use crate::plan::{Brdf, Choice, Layout, Needs, Options, OutputFormat, Plan, Tonemap};
 use crate::reference::around::Method;
 use crate::reference::{Frame, Settings, Stored, render, shade_gbuffer};
 use crate::scene::{Camera, Scene};
@@ -75,12 +75,14 @@ impl Stage<'_> {
     fn settings(&self, plan: &Plan) -> Settings {
         Settings {
             size: self.options.size,
+            window: None,
             exposure_ev: f64::from(self.exposure_ev),
             tonemap: self.options.tonemap,
             gbuffer: None,
             light_target: plan.has_light_target(),
             light_scale: f64::from(plan.light_scale()),
             shadows: false,
+            brdf: Brdf::Exact,
             around: Method::Prefiltered(plan.options.environment_format),
             lightmap: Some(plan.options.lightmap_format),
         }
