@@ -7,7 +7,7 @@
 
 void write_dissertation192(Surface surface, vec3 base_color, float metallic) {
     mat3 axes = world_from_view();
-    target_position = vec4((surface.position_world - frame.camera_position_world.xyz) * axes, surface.roughness);
+    target_position = vec4(as_half((surface.position_world - frame.camera_position_world.xyz) * axes), surface.roughness);
     target_normal = surface.lit ? vec4(surface.normal_world * axes, 1.0) : vec4(0.0);
     target_base_metallic = vec4(base_color, metallic);
 }

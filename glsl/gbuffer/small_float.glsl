@@ -1,4 +1,9 @@
-// Unsigned floats of less than 16 bits, in words.
+// Floats of 16 bits in targets, and unsigned ones of less in words.
+
+// Held to what a half float can be: what is beyond may be stored as infinity, of which light is no number.
+vec3 as_half(vec3 v) {
+    return clamp(v, -65504.0, 65504.0);
+}
 
 // A half float's positive part without its last bits, to the nearest; `most` is the greatest finite code.
 uint short_float(float x, uint dropped, uint most) {

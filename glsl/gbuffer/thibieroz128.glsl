@@ -7,7 +7,7 @@
 #ifdef SUBPASS_GEOMETRY
 
 void write_thibieroz128(Surface surface, vec3 base_color, float metallic) {
-    target_position = vec4(surface.position_world, surface.roughness);
+    target_position = vec4(as_half(surface.position_world), surface.roughness);
     target_normal = surface.lit ? vec4(surface.normal_world * 0.5 + 0.5, 1.0) : vec4(0.0);
     target_base_metallic = vec4(encode_color(base_color), metallic);
 }

@@ -12,8 +12,8 @@ const float THIBIEROZ_ROUGHNESS = 0.668740;
 
 void write_thibieroz96(Surface surface, vec3 base_color) {
     vec3 normal = surface.lit ? surface.normal_world * 0.5 + 0.5 : vec3(0.0);
-    target_position = vec4(surface.position_world.xy, 0.0, 0.0);
-    target_position_z = surface.position_world.z;
+    target_position = vec4(as_half(surface.position_world).xy, 0.0, 0.0);
+    target_position_z = as_half(surface.position_world).z;
     target_base_metallic = vec4(encode_color(base_color), normal.z);
     target_normal_xy = normal.xy;
 }

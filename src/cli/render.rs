@@ -141,6 +141,9 @@ fn draw(
 ) -> Result<(Picture, Report, Vec<&'static str>)> {
     let plan = Plan::new(Needs::of(scene), args.options(), &device.caps().limits())?;
     plan.warnings.iter().for_each(|warning| print::warning(warning));
+    if plan.has_gbuffer() {
+        scene::tell_distance(scene, camera, &plan.gbuffer);
+    }
     let expected = expected_advice(&plan);
     let cache = PipelineCache::load(device)?;
     // On a tiler the stages of one pass interleave, so times between them would be of nothing.

@@ -2,7 +2,7 @@
 
 use ontile::environment::{Cache, DEFAULT_FACE_SIZE, TexelFormat};
 use ontile::glam::Vec3;
-use ontile::plan::Path;
+use ontile::plan::{GBuffer, Path};
 use ontile::scene::{Background, Camera, Environment, Fog, Scene};
 use ontile::{Error, Result};
 
@@ -104,6 +104,19 @@ pub fn tell_idle_flags(scene: &Scene, args: &PlanArgs) {
     ];
     for (_, flag, why) in idle.iter().filter(|(is_idle, ..)| *is_idle) {
         print::warning(&format!("{flag} is without effect: {why}"));
+    }
+}
+
+/// Tells that a part of the scene is further away than the G-buffer can say.
+pub fn tell_distance(scene: &Scene, camera: &Camera, gbuffer: &GBuffer) {
+    let Some(bounds) = scene.bounds_world() else { return };
+    let eye = camera.world_from_view.w_axis.truncate();
+    let farthest_m = (eye - bounds.min).abs().max((eye - bounds.max).abs()).length();
+    if let Some(most_m) = gbuffer.farthest_m(&camera.projection).filter(|most_m| farthest_m > *most_m) {
+        print::warning(&format!(
+            "the scene reaches {farthest_m:.0} m from the camera, and the G-buffer has no places beyond {most_m:.0} m: what is there is \
+             lit wrongly or not at all; use --depth d32, or a layout that stores depth"
+        ));
     }
 }
 

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::targets::LIGHT_WORD;
 use super::{DepthStore, Format, Gamma, Layout, LightFormat, Normals, Options};
+use crate::scene::Projection;
 use crate::{Error, Result};
 
 /// What a G-buffer consists of: the channels and their meaning, apart from how normals and colours are encoded.
@@ -304,6 +305,30 @@ impl GBuffer {
     /// Whether later stages read the depth attachment itself.
     pub fn reads_depth_attachment(&self) -> bool {
         self.form.has_depth() && self.depth != DepthStore::R32f
+    }
+
+    /// Distance along the view axis beyond which stored places mean nothing, metres: fixed-point depth is 0 there, which is the
+    /// background's, and half floats end. `None` has no such end.
+    pub fn farthest_m(&self, projection: &Projection) -> Option<f32> {
+        const MOST_HALF_M: f32 = 65504.0;
+        let bits = match self.depth {
+            _ if !self.form.has_depth() => return (!self.surface_is_exact()).then_some(MOST_HALF_M),
+            DepthStore::R32f | DepthStore::D32 => return None,
+            DepthStore::D24 => 24,
+            DepthStore::D16 => 16,
+        };
+        match *projection {
+            // Reversed depth is near / distance: half a code above 0.
+            Projection::Perspective { znear_m, zfar_m: None, .. } => {
+                Some(znear_m * (2.0 * ((1_u32 << bits) - 1) as f32))
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether positions are stored in 32-bit floats.
+    fn surface_is_exact(&self) -> bool {
+        matches!(self.form, Form::Metallic256 | Form::Specular256)
     }
 
     /// Bits of colour a pixel that its surface targets have.

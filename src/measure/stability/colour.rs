@@ -8,10 +8,12 @@ use crate::environment::TexelFormat;
 use crate::measure::canvas::short;
 use crate::measure::plot::{Axis, Plot};
 use crate::picture::{Picture, Pixels};
+use crate::plan::Gamma;
 use crate::reference::Attributes;
 use crate::reference::brdf::brdf;
 use crate::reference::quantise::formats::unorm;
-use crate::reference::texture::{linear_from_srgb, srgb_from_linear};
+use crate::reference::quantise::{load_color, store_color};
+use crate::reference::texture::srgb_from_linear;
 
 pub const GAMMA: Sweep = Sweep {
     name: "gamma",
@@ -53,31 +55,32 @@ pub const RANGE: Sweep = Sweep {
     find: range,
 };
 
-/// A transfer curve.
-type Curve = fn(f64) -> f64;
+/// What is left of a linear colour.
+type Curve = Box<dyn Fn(f64) -> f64>;
 
 fn gamma(lab: &Lab<'_>) -> Result<Findings> {
-    let srgb: [Curve; 2] = [srgb_from_linear, linear_from_srgb];
-    let power_2_2: [Curve; 2] = [|x| x.powf(1.0 / 2.2), |x| x.powf(2.2)];
-    let power_2: [Curve; 2] = [f64::sqrt, |x| x * x];
-    // What writes and what reads.
-    let same = |name: &str, [write, read]: [Curve; 2]| (name.to_owned(), write, read, true);
-    let methods = [
-        same("sRGB both ways", srgb),
-        same("power 2.2 both ways", power_2_2),
-        same("power 2.0 both ways", power_2),
-        ("sRGB texture read by power 2.2".to_owned(), srgb[0], power_2_2[1], false),
-        ("sRGB texture read by power 2.0".to_owned(), srgb[0], power_2[1], false),
-    ];
+    let stored = |gamma: Gamma| {
+        let keep = move |linear: f64| load_color(gamma, store_color(gamma, DVec3::splat(linear))).x;
+        (
+            format!("{gamma} both ways"),
+            Box::new(keep) as Curve,
+            (gamma == Gamma::Linear).then_some(Answer::Mended),
+        )
+    };
+    let texture = |power: f64| {
+        let keep = move |linear: f64| unorm(srgb_from_linear(linear), 8).powf(power);
+        (format!("sRGB texture read by power {power}"), Box::new(keep) as Curve, Some(Answer::Guarded))
+    };
+    let methods = Gamma::ALL.iter().map(|&gamma| stored(gamma)).chain([texture(2.2), texture(2.0)]);
     let mut findings = Findings::default();
     let mut curves = Vec::new();
     let count = lab.pick(20_000, 200_000);
-    for (name, write, read, consistent) in methods {
+    for (name, keep, answer) in methods {
         let mut worst = Worst::new();
         let mut curve: Vec<[f64; 2]> = Vec::new();
         for i in 0..count {
             let linear = 1e-5_f64.powf(1.0 - f64::from(i) / f64::from(count - 1));
-            let error = display_steps(read(unorm(write(linear), 8)), linear);
+            let error = display_steps(keep(linear), linear);
             worst.add(error, || linear);
             if i % (count / 80) == 0 {
                 curve.push([linear, 0.0]);
@@ -98,13 +101,15 @@ fn gamma(lab: &Lab<'_>) -> Result<Findings> {
                 reason: "half a code of the power 2.0 where sRGB is steepest against it, at the end of its linear part; sRGB itself is \
                          off by half a step",
             },
-            answer: (!consistent).then_some(Answer::Guarded),
-            remedy: if consistent {
-                String::new()
-            } else {
-                "textures and the final image are converted by exact sRGB, in hardware; the powers are for what one frame writes and \
-                 reads itself"
-                    .into()
+            answer,
+            remedy: match answer {
+                None => String::new(),
+                Some(Answer::Mended) => "codes that are even in light are too wide in the dark: every other choice is better".into(),
+                Some(_) => {
+                    "textures and the final image are converted by exact sRGB, in hardware; the powers are for what one frame writes \
+                     and reads itself"
+                        .into()
+                }
             },
         });
         curves.push((name, curve));
@@ -304,10 +309,10 @@ fn rgbm(lab: &Lab<'_>) -> Result<Findings> {
                 name: "HALFWAY",
                 unit: "% of the light",
                 good: 0.01,
-                // Roots of 1 and 0 filter to a half, squared; factors of 1 and 1/255 to half, squared again: 1/16 for 1/2.
-                most: 100.0 * (1.0 - 2.0 / 16.0),
-                reason: "halfway between light and darkness, RGBM's factor and the roots that it stores are each halved and squared: a \
-                         16th for a half",
+                // A factor of half, squared, is a quarter where half is true; roots are up to 1 in 255 / 2 off besides.
+                most: 55.0,
+                reason: "halfway between light and near darkness, whose roots are near 1 too, RGBM's factor is halved and then squared: a \
+                         quarter for a half",
             },
             answer: None,
             remedy: if is_rgbm {

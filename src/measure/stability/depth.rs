@@ -4,7 +4,9 @@ use super::{Answer, Bound, Case, Figure, Findings, Lab, Sweep, Worst};
 use crate::Result;
 use crate::measure::canvas::short;
 use crate::measure::plot::{Axis, Plot};
-use crate::reference::quantise::formats::unorm;
+use crate::plan::DepthStore;
+use crate::reference::quantise::formats::{half, unorm};
+use crate::reference::quantise::store_depth;
 
 pub const DEPTH: Sweep = Sweep {
     name: "depth",
@@ -45,10 +47,10 @@ const fn fixed_error(distance: f64, bits: u32) -> f64 {
     if x < 1.0 { distance * x / (1.0 - x) } else { f64::INFINITY }
 }
 
-const FORMATS: [Format; 5] = [
+const FORMATS: [Format; 6] = [
     Format {
         name: "f32 reversed (r32f, D32)",
-        keep: |d| reversed(d, |depth| f64::from(depth as f32)),
+        keep: |d| reversed(d, |depth| store_depth(DepthStore::R32f, depth)),
         most: |d| d * FLOAT_STEP * 1.001,
         reason: "half a step of f32 is 6e-8 of any distance; a tenth is where nothing that needs a position works",
         answer: None,
@@ -56,7 +58,7 @@ const FORMATS: [Format; 5] = [
     },
     Format {
         name: "D24 reversed",
-        keep: |d| reversed(d, |depth| unorm(depth, 24)),
+        keep: |d| reversed(d, |depth| store_depth(DepthStore::D24, depth)),
         most: |d| fixed_error(d, 24) * 1.001,
         reason: "half a step of 24 bits times distance² / near; a tenth is where nothing that needs a position works",
         answer: None,
@@ -64,12 +66,12 @@ const FORMATS: [Format; 5] = [
     },
     Format {
         name: "D16 reversed",
-        keep: |d| reversed(d, |depth| unorm(depth, 16)),
+        keep: |d| reversed(d, |depth| store_depth(DepthStore::D16, depth)),
         most: |d| fixed_error(d, 16) * 1.001,
         reason: "half a step of 16 bits times distance² / near; a tenth is where nothing that needs a position works",
         answer: Some(Answer::Guarded),
         remedy: "for rooms: beyond half a code, 13.1 km at a near plane of 0.1 m, surfaces are background, and at 36 m distances are off \
-                 by 10 cm",
+                 by 10 cm; ontile render warns of scenes that reach further",
     },
     Format {
         name: "f32, 0 at the near plane",
@@ -81,6 +83,15 @@ const FORMATS: [Format; 5] = [
         reason: "half a step of f32, as if its steps near 1 were as fine as near 0",
         answer: Some(Answer::Mended),
         remedy: "depth is reversed in every layout: 1 near, 0 far",
+    },
+    Format {
+        name: "positions in half floats",
+        keep: half,
+        most: |d| if d < 65_520.0 { d / 2048.0 * 1.001 } else { f64::INFINITY },
+        reason: "half a step of half floats is 5e-4 of a coordinate, which ends at 65.5 km; thibieroz128 and 96 store them from the \
+                 world's origin, dissertation192 from the camera",
+        answer: Some(Answer::Guarded),
+        remedy: "worlds beyond 65 km take a layout that stores depth; coordinates are held there, so that no light is NaN",
     },
     Format {
         name: "D24, far plane 100 km",

@@ -247,6 +247,7 @@ fn inputs(lab: &Lab<'_>) -> Result<Findings> {
     findings.cases.push(views(lab)?);
     findings.cases.push(exposures(lab)?);
     findings.cases.push(bright_targets(lab)?);
+    findings.cases.push(far_away(lab)?);
     Ok(findings)
 }
 
@@ -312,4 +313,33 @@ fn bright_targets(lab: &Lab<'_>) -> Result<Case> {
         }
     }
     Ok(tally.case("highlights above half floats".into()))
+}
+
+/// The scene 100 km from the world's origin, and seen from 100 km away, in every layout: positions in half floats end at 65 km.
+fn far_away(lab: &Lab<'_>) -> Result<Case> {
+    let mut tally = Tally::default();
+    for &layout in crate::plan::Layout::ALL {
+        for far_camera in [false, true] {
+            let mut scene = scene();
+            let away = Mat4::from_translation(Vec3::new(1e5, -1e5, 1e5));
+            scene.instances.iter_mut().for_each(|i| i.world_from_object = away * i.world_from_object);
+            scene.instances[1].world_from_object *= Mat4::from_scale(Vec3::splat(1e4));
+            scene
+                .lights
+                .iter_mut()
+                .for_each(|light| light.position_world = away.transform_point3(light.position_world));
+            if !far_camera {
+                scene.cameras[0].world_from_view = away * scene.cameras[0].world_from_view;
+            } else {
+                scene.cameras[0] = camera(Vec3::ZERO, Vec3::new(1e5, -1e5, 1e5));
+            }
+            scene.materials[0].emissive_factor = Vec3::ZERO;
+            (scene.ambient_nt, scene.fog) = (Vec3::ZERO, None);
+            let options = Options { layout, tonemap: Tonemap::Neutral, ..exact([24, 16]) };
+            tally.draw(lab.bench()?, &scene, options, 0.0, || {
+                format!("{layout}, camera at the origin: {far_camera}")
+            })?;
+        }
+    }
+    Ok(tally.case("100 km from the origin".into()))
 }

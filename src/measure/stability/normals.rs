@@ -1,6 +1,6 @@
 //! Directions in few bits: how far they turn, and what becomes of highlights.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, SQRT_2, TAU};
 
 use glam::{DVec3, Mat4};
 
@@ -8,8 +8,9 @@ use super::{Answer, Bound, Case, Figure, Findings, Lab, Sweep, Worst};
 use crate::Result;
 use crate::measure::plot::{Axis, Plot};
 use crate::picture::{Picture, Pixels};
-use crate::plan::{GBuffer, Layout, Options};
+use crate::plan::{GBuffer, Layout, Normals, Options};
 use crate::reference::brdf::{alpha_from_roughness, brdf};
+use crate::reference::quantise::normals::half_steps;
 use crate::reference::{Attributes, View, quantise};
 use crate::scene::{Camera, Projection};
 
@@ -46,33 +47,86 @@ pub const HIGHLIGHTS: Sweep = Sweep {
 /// A way of storing a direction.
 pub(super) struct Encoding {
     pub name: String,
-    layout: Layout,
-    /// What no direction may be turned by more than, radians.
+    /// Of a frame that stores normals so.
+    options: Options,
+    gbuffer: GBuffer,
+    /// What no direction that faces the view plane may be turned by more than, radians.
     pub most: f64,
     /// Where that comes from.
     reason: &'static str,
+    /// The same at the picture's corner, where surfaces are seen that face away from the view plane; only of encodings in view
+    /// space.
+    corner: Option<(f64, &'static str)>,
 }
 
+/// Half the diagonal of the square picture of [`view`], radians.
+const HALF_DIAGONAL: f64 = 0.6576;
+
+/// What the layouts store, and each choice by itself.
 pub(super) fn encodings() -> Result<Vec<Encoding>> {
-    Ok(vec![Encoding {
-        name: "xyz, 8 bits".into(),
-        layout: Layout::Metallic128,
-        most: 3_f64.sqrt() / 255.0,
-        reason: "half a step along each of three axes, seen from the origin",
-    }])
+    let octahedral = |bits| 3.0 / SQRT_2 / half_steps(bits);
+    // Half a step along each of two axes.
+    let two_axes = |half_step: f64| SQRT_2 * half_step;
+    let three_axes = |half_step: f64| 3_f64.sqrt() * half_step;
+    let by_axes = "half a step along each of three axes, seen from the origin";
+    let by_face = "half a step along each of two axes in the middle of the octahedron's face: sqrt 3 to the face, sqrt 3 to the sphere";
+    let by_rim = "half a step along each of two axes where z is 0: sqrt(2 e)";
+    let mirrored = (
+        2.0 * HALF_DIAGONAL,
+        "z is taken to be positive, so what faces away by an angle is turned by twice that",
+    );
+    let of = |layout: Layout, normals: Option<Normals>, most: f64, reason, corner| {
+        let options = Options { layout, normals, ..Options::default() };
+        let name = normals.map_or(layout.to_string(), |normals| normals.to_string());
+        Ok(Encoding { name, gbuffer: GBuffer::new(&options)?, options, most, reason, corner })
+    };
+    let choices = Normals::ALL.iter().map(|&normals| {
+        let (most, reason, corner) = match normals {
+            Normals::Xyz8 => (three_axes(1.0 / 255.0), by_axes, None),
+            Normals::Oct8 => (octahedral(8), by_face, None),
+            Normals::Oct10 => (octahedral(10), by_face, None),
+            Normals::Oct12 => (octahedral(12), by_face, None),
+            Normals::Oct16 => (octahedral(16), by_face, None),
+            Normals::Sphere12 => {
+                // d angle / d radius of Lambert's map is 2 / cos(angle / 2).
+                let at = |angle: f64| two_axes(0.5 / half_steps(12)) * 2.0 / (0.5 * angle).cos();
+                let reason = "half a step along each of two axes times the map's 2 / cos(angle / 2)";
+                (at(FRAC_PI_2), reason, Some((at(FRAC_PI_2 + HALF_DIAGONAL) * 1.01, reason)))
+            }
+            Normals::View12 => ((2.0 * two_axes(0.5 / half_steps(12))).sqrt(), by_rim, Some(mirrored)),
+            Normals::Float => {
+                (three_axes((-24_f64).exp2()), "half a step of f32 along each of three axes", None)
+            }
+        };
+        of(Layout::Ontile128, Some(normals), most, reason, corner)
+    });
+    let layouts = [
+        of(Layout::Thibieroz128, None, three_axes(1.0 / 1023.0), by_axes, None),
+        of(Layout::Rasa128, None, (2.0 * two_axes(1.0 / 255.0)).sqrt(), by_rim, Some(mirrored)),
+        of(Layout::Dissertation192, None, three_axes((-12_f64).exp2()), by_axes, None),
+        of(Layout::Metallic256, None, three_axes((-12_f64).exp2()), by_axes, None),
+        // Biased to 0 to 1: half steps of 6, 6 and 5 bits of mantissa, doubled.
+        of(
+            Layout::Specular256,
+            None,
+            (2.0 * (-7_f64).exp2().powi(2) + (-6_f64).exp2().powi(2)).sqrt(),
+            by_axes,
+            None,
+        ),
+        of(Layout::Packed128, None, octahedral(11), by_face, None),
+    ];
+    choices.chain(layouts).collect()
 }
 
 impl Encoding {
     /// A frame that stores normals so.
     pub fn options(&self, options: Options) -> Options {
-        Options { layout: self.layout, ..options }
+        Options { layout: self.options.layout, normals: self.options.normals, ..options }
     }
 
     fn store(&self, view: &View, normal_world: DVec3) -> DVec3 {
         let surface = Attributes { lit: true, depth: 0.5, normal_world, ..Attributes::default() };
-        let options = Options { layout: self.layout, ..Options::default() };
-        let gbuffer = GBuffer::new(&options).expect("it is complete");
-        quantise(&gbuffer, &surface, view, [0, 0], 1.0).normal_world
+        quantise(&self.gbuffer, &surface, view, [0, 0], 1.0).normal_world
     }
 }
 
@@ -124,29 +178,44 @@ fn angles(lab: &Lab<'_>) -> Result<Findings> {
     let view = view();
     let mut curves = Vec::new();
     for encoding in encodings()? {
-        let mut worst = Worst::new();
+        let mut worst = [Worst::new(), Worst::new()];
         let mut by_height = vec![0.0; 90];
-        for n in even(lab.pick(20_000, 1_000_000)).chain(special()) {
+        for n in even(lab.pick(20_000, 400_000)).chain(special()) {
+            // In view space nobody sees what is further away.
+            let away = n.z.clamp(-1.0, 1.0).acos();
+            if encoding.corner.is_some() && away > FRAC_PI_2 + HALF_DIAGONAL {
+                continue;
+            }
             let error = angle(encoding.store(&view, n), n).to_degrees();
-            worst.add(error, || n);
-            let bin = &mut by_height[((n.z.clamp(-1.0, 1.0).acos() / PI * 90.0) as usize).min(89)];
+            let beyond = encoding.corner.is_some() && n.z < 0.0;
+            worst[usize::from(beyond)].add(error, || n);
+            let bin = &mut by_height[((away / PI * 90.0) as usize).min(89)];
             *bin = f64::max(*bin, error);
         }
-        let at = worst.at.unwrap_or_default();
-        findings.cases.push(Case {
-            method: encoding.name.clone(),
-            worst: worst.error,
-            at: format!("n = ({:.4}, {:.4}, {:.4})", at.x, at.y, at.z),
-            bound: Bound {
-                name: "TURNED",
-                unit: "degrees",
-                good: GOOD_DEGREES,
-                most: encoding.most.to_degrees() * 1.001,
-                reason: encoding.reason,
-            },
-            answer: None,
-            remedy: String::new(),
-        });
+        let facing = (encoding.name.clone(), encoding.most, encoding.reason);
+        let corner =
+            encoding.corner.map(|(most, reason)| (format!("{}, at the corner", encoding.name), most, reason));
+        for ((method, most, reason), worst) in [Some(facing), corner].into_iter().flatten().zip(worst) {
+            let at = worst.at.unwrap_or_default();
+            findings.cases.push(Case {
+                method,
+                worst: worst.error,
+                at: format!("n = ({:.4}, {:.4}, {:.4})", at.x, at.y, at.z),
+                bound: Bound {
+                    name: "TURNED",
+                    unit: "degrees",
+                    good: GOOD_DEGREES.min(most.to_degrees()),
+                    most: most.to_degrees() * 1.005,
+                    reason,
+                },
+                answer: None,
+                remedy: if most > 0.5 {
+                    "floors and walls at the picture's edge are lit from behind: take --normals oct12".into()
+                } else {
+                    String::new()
+                },
+            });
+        }
         let points = by_height.iter().enumerate().map(|(i, error)| [2.0 * i as f64 + 1.0, *error]);
         curves.push((encoding.name, points.collect()));
     }
@@ -267,14 +336,14 @@ fn highlights(lab: &Lab<'_>) -> Result<Findings> {
                     bound: Bound {
                         name: "LOBE_SLOPE",
                         unit: "% of the peak",
-                        good: 1.0,
-                        most: 100.0 * HIGHLIGHT_SLOPE * encoding.most / alpha * 1.05,
+                        good: f64::min(1.0, 100.0 * HIGHLIGHT_SLOPE * encoding.most / alpha),
+                        most: (100.0 * HIGHLIGHT_SLOPE * encoding.most / alpha * 1.1).min(100.0),
                         reason: "the encoding's largest angle times the steepest slope of the lobe, 1.035 / alpha; 1 % is a step \
                                  that is just seen",
                     },
                     answer: None,
                     remedy: if encoding.most.to_degrees() > GOOD_DEGREES {
-                        "on smoother materials take --normals octahedral12, or keep roughness above 0.5".into()
+                        "on smoother materials take --normals oct12, or keep roughness above 0.5".into()
                     } else {
                         String::new()
                     },
@@ -300,17 +369,24 @@ fn highlights(lab: &Lab<'_>) -> Result<Findings> {
         "balls",
         format!(
             "A part of a metal ball under a light, roughness {COMPARED_ROUGHNESS}: with the true normals, then stored as {}.",
-            encodings()?.iter().map(|e| e.name.clone()).collect::<Vec<_>>().join("; ")
+            pictured()?.iter().map(|e| e.name.clone()).collect::<Vec<_>>().join("; ")
         ),
         balls(&view, towards)?,
     ));
     Ok(findings)
 }
 
+/// Those that a picture has room for.
+fn pictured() -> Result<Vec<Encoding>> {
+    let mut encodings = encodings()?;
+    encodings.retain(|e| ["xyz8", "oct8", "oct12", "rasa128", "specular256"].contains(&e.name.as_str()));
+    Ok(encodings)
+}
+
 /// The highlight on a gently curved surface, side by side.
 fn balls(view: &View, towards: DVec3) -> Result<Picture> {
     const SIDE: usize = 160;
-    let encodings = encodings()?;
+    let encodings = pictured()?;
     let side = towards.any_orthonormal_vector();
     let up = towards.cross(side);
     let width = SIDE * (encodings.len() + 1);
