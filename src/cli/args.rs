@@ -8,6 +8,7 @@ use clap::Args;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use ontile::environment::TexelFormat;
 use ontile::glam::Vec3;
+use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
     DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, Path, ShadowFilter,
@@ -84,9 +85,16 @@ pub struct PlanArgs {
     /// store and load every attachment
     #[arg(long, default_value_t = Strategy::Subpasses, value_parser = named(Strategy::ALL, Strategy::name))]
     pub strategy: Strategy,
-    /// The G-buffer's layout
-    #[arg(long, value_name = "NAME", default_value_t = Layout::Metallic128, value_parser = named(Layout::ALL, Layout::name))]
-    pub layout: Layout,
+    /// The G-buffer's layout; auto: what has the fewest bytes and keeps --max-error for this scene and device
+    #[arg(long, value_name = "NAME", default_value_t = WantedLayout::Named(Layout::Metallic128), value_parser = WantedLayout::parser())]
+    pub layout: WantedLayout,
+    /// With --layout auto: how far the picture may be from the true one; at most this much of flip or ciede, at least so many
+    /// dB of psnr [default: 0.02 of flip]
+    #[arg(long, value_name = "E", value_parser = error_limit, requires = "layout", allow_negative_numbers = true)]
+    pub max_error: Option<f64>,
+    /// What --max-error is measured by: FLIP, the mean over the picture; PSNR, dB; or CIEDE2000 for 95 % of the pixels
+    #[arg(long, value_name = "NAME", default_value_t = ErrorMetric::Flip, value_parser = named(ErrorMetric::ALL, ErrorMetric::name), requires = "max_error")]
+    pub metric: ErrorMetric,
     /// How normals are stored, where the layout leaves the choice [default: the layout's way]
     #[arg(long, value_name = "NAME", value_parser = named(Normals::ALL, Normals::name))]
     pub normals: Option<Normals>,
@@ -163,7 +171,7 @@ impl PlanArgs {
         Options {
             size: self.size.0,
             strategy: self.strategy,
-            layout: self.layout,
+            layout: self.layout.named().unwrap_or(default.layout),
             normals: self.normals,
             gamma: self.gamma,
             light_target: self.light_target,
@@ -189,6 +197,38 @@ impl PlanArgs {
             lightmap_format: self.lightmap_format.unwrap_or(default.lightmap_format),
             ..default
         }
+    }
+}
+
+/// A layout, or the wish that one be chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WantedLayout {
+    Named(Layout),
+    Auto,
+}
+
+impl WantedLayout {
+    const AUTO: &'static str = "auto";
+
+    pub fn named(self) -> Option<Layout> {
+        match self {
+            Self::Named(layout) => Some(layout),
+            Self::Auto => None,
+        }
+    }
+
+    fn parser() -> impl TypedValueParser<Value = Self> {
+        let names = Layout::ALL.iter().map(|layout| layout.name()).chain([Self::AUTO]);
+        PossibleValuesParser::new(names).try_map(|typed| match typed.as_str() {
+            Self::AUTO => Ok(Self::Auto),
+            name => name.parse().map(Self::Named),
+        })
+    }
+}
+
+impl Display for WantedLayout {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.named().map_or(Self::AUTO, Layout::name))
     }
 }
 
@@ -256,6 +296,13 @@ where
 
 fn count(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| "give a whole number, 0 or more".into())
+}
+
+fn error_limit(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(limit) if limit > 0.0 && limit.is_finite() => Ok(limit),
+        _ => Err("give a number above 0, as in 0.02".into()),
+    }
 }
 
 /// Stops.

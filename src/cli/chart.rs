@@ -119,7 +119,7 @@ fn measured(args: &ChartArgs) -> Result<Report> {
     let sweep = Sweep {
         scenes: scenes.iter().map(|(scene, camera)| (scene, *camera)).collect(),
         sizes: args.sizes.iter().map(|size| size.0).collect(),
-        choices: if args.full { Choice::every() } else { Choice::one_by_one(chart::BASE) },
+        choices: if args.full { Choice::every() } else { chart::default_choices() },
         options,
         exposure_ev: args.exposure,
         effort: Effort { rounds: args.frames as usize, seconds: args.seconds.into() },

@@ -1,6 +1,7 @@
 //! The command line: what was typed, done and told.
 
 mod args;
+mod auto;
 mod bake;
 mod bake_environment;
 mod chart;

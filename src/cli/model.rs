@@ -7,6 +7,7 @@ use ontile::plan::{Origin, OutputFormat};
 use serde::Serialize;
 
 use super::args::{PlanArgs, SceneArgs};
+use super::auto;
 use super::print;
 use super::progress::Progress;
 use super::scene;
@@ -321,16 +322,16 @@ impl std::fmt::Display for OfScene {
 /// Counts a frame of a scene.
 fn of_scene(args: &ModelArgs, scene_args: &SceneArgs) -> ontile::Result<OfScene> {
     let mut scene = scene::load(scene_args)?;
-    let options = args.plan.options(OutputFormat::Rgba8Srgb);
     let camera = scene::camera(&scene, scene_args)?.clone();
     scene::tell_idle_flags(&scene, &args.plan);
-    scene::prefilter(&mut scene, options.environment_format);
+    scene::prefilter(&mut scene, args.plan.options(OutputFormat::Rgba8Srgb).environment_format);
     let host = Headless::new(&HeadlessOptions {
         device_name_part: args.device.clone(),
         validate: false,
         application_name: "ontile".into(),
     })?;
     let device = host.device();
+    let options = auto::options_on(&args.plan, OutputFormat::Rgba8Srgb, &scene, &camera, device)?;
     let cache = PipelineCache::load(device)?;
     let progress = Progress::of("counting");
     let view = View { camera: &camera, exposure_ev: args.plan.exposure };

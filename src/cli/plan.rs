@@ -5,7 +5,7 @@ use ontile::gpu::Explanation;
 use ontile::plan::{Limits, Needs, OutputFormat, Plan, Report};
 
 use super::args::{PlanArgs, SceneArgs};
-use super::{print, scene};
+use super::{auto, print, scene};
 
 /// Show what would be created for a scene, and why; needs no device.
 ///
@@ -17,7 +17,8 @@ Examples:
   ontile plan scene.glb
   ontile plan scene.glb --strategy separate --json
   ontile plan scene.glb --explain
-  ontile plan scene.glb --layout exact --no-recycle")]
+  ontile plan scene.glb --layout exact --no-recycle
+  ontile plan scene.glb --layout auto --max-error 0.01")]
 pub struct PlanCommandArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -49,12 +50,13 @@ impl std::fmt::Display for Printed {
 
 /// Prints the plan of a PNG picture of the scene.
 pub fn run(args: &PlanCommandArgs) -> ontile::Result<()> {
-    let scene = scene::load(&args.scene)?;
-    scene::camera(&scene, &args.scene)?;
+    let mut scene = scene::load(&args.scene)?;
+    let camera = scene::camera(&scene, &args.scene)?.clone();
     scene::tell_idle_flags(&scene, &args.plan);
     // No device is asked: the picture's size is its only limit that may go beyond the guaranteed ones.
     let limits = Limits { max_image_size: u32::MAX, ..Limits::default() };
-    let plan = Plan::new(Needs::of(&scene), args.plan.options(OutputFormat::Rgba8Srgb), &limits)?;
+    let options = auto::options(&args.plan, OutputFormat::Rgba8Srgb, &mut scene, &camera, &limits)?;
+    let plan = Plan::new(Needs::of(&scene), options, &limits)?;
     plan.warnings.iter().for_each(|warning| print::warning(warning));
     if args.explain {
         return print::value(&Explanation::new(&scene, &plan)?, args.json);

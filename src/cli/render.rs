@@ -13,6 +13,7 @@ use ontile::{Error, Result, file};
 use serde::Serialize;
 
 use super::args::{Output, PlanArgs, SceneArgs};
+use super::auto;
 use super::output;
 use super::print;
 use super::progress::Progress;
@@ -139,7 +140,8 @@ fn draw(
     camera: &Camera,
     device: &Device,
 ) -> Result<(Picture, Report, Vec<&'static str>)> {
-    let plan = Plan::new(Needs::of(scene), args.options(), &device.caps().limits())?;
+    let options = auto::options_on(&args.plan, args.output.image_format(), scene, camera, device)?;
+    let plan = Plan::new(Needs::of(scene), options, &device.caps().limits())?;
     plan.warnings.iter().for_each(|warning| print::warning(warning));
     if plan.has_gbuffer() {
         scene::tell_distance(scene, camera, &plan.gbuffer);

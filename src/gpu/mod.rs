@@ -77,7 +77,7 @@ pub use query::{PipelineStatistics, Queries, QueryResults};
 pub use readback::{Readback, texel_bytes};
 pub use renderer::{Recorded, Renderer, RendererConfig};
 pub use shadow::RecordedShadows;
-pub use target::{OutputImage, Target};
+pub use target::{OutputImage, Target, check_formats};
 pub use texture::{ColorEncoding, SamplerCache, TextureKey, Textures};
 pub use upload::Upload;
 pub use validation::expected_advice;

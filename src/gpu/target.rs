@@ -189,7 +189,7 @@ fn clear_values(plan: &Plan) -> Vec<Vec<vk::ClearValue>> {
 }
 
 /// Checks that the device has every format for what the plan does with it.
-pub(super) fn check_formats(device: &Device, plan: &Plan) -> Result<()> {
+pub fn check_formats(device: &Device, plan: &Plan) -> Result<()> {
     for a in &plan.attachments {
         // SAFETY: the physical device is alive.
         let properties = unsafe {

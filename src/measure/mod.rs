@@ -5,6 +5,7 @@ pub mod bandwidth;
 pub mod canvas;
 #[cfg(feature = "cli")]
 pub mod chart;
+mod choose;
 mod ciede;
 mod color;
 #[cfg(feature = "cli")]
@@ -17,6 +18,7 @@ pub mod metrics;
 mod pairs;
 #[cfg(feature = "cli")]
 pub mod plot;
+mod probe;
 #[cfg(feature = "cli")]
 mod race;
 #[cfg(feature = "cli")]
@@ -27,6 +29,7 @@ pub mod tiler;
 #[cfg(feature = "cli")]
 pub mod turnip;
 
+pub use choose::{Chosen, ErrorMetric, Goal, candidates_for, choose};
 pub use ciede::ciede2000;
 pub use color::lab_from_linear;
 #[cfg(feature = "cli")]
@@ -35,6 +38,7 @@ pub use false_color::{NON_FINITE_RGB, false_color, magma};
 pub use flip::{PIXELS_PER_DEGREE, flip};
 #[cfg(feature = "cli")]
 pub use host::{FrameTimes, Host};
+pub use probe::{Content, Predicted, Probe};
 #[cfg(feature = "cli")]
 pub use race::{Clock, Effort, Racer, race, rounded_ms};
 pub use stats::Summary;

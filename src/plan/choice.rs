@@ -51,6 +51,21 @@ impl Choice {
         plain.chain(others).collect()
     }
 
+    /// What [`crate::measure::choose`] chooses from: the layouts, each single other choice over `ontile128` that changes
+    /// bytes or normals, and 16 bits of depth over its smaller kin. Colours are left as they are, since no other way has fewer
+    /// bytes.
+    pub fn candidates() -> Vec<Self> {
+        let layouts = Layout::ALL.iter().filter(|&&layout| layout != Layout::Exact).map(|&l| Self::of(l));
+        let base = Self::of(Layout::Ontile128);
+        let others = Self::one_by_one(base).into_iter().filter(|c| {
+            let floats = c.normals == Some(Normals::Float) || c.light_target == Some(LightFormat::Rgba32f);
+            !c.is_plain() && c.gamma.is_none() && !floats && c.light_target != Some(LightFormat::B10g11r11)
+        });
+        let small = [Layout::Ontile96, Layout::Ontile64, Layout::Packed128];
+        let small = small.map(|layout| Self { depth: Some(DepthStore::D16), ..Self::of(layout) });
+        layouts.chain(others).chain(small).collect()
+    }
+
     /// Every combination that makes sense; of those that come to the same G-buffer, the one with the fewest words.
     pub fn every() -> Vec<Self> {
         let mut seen: Vec<GBuffer> = Vec::new();

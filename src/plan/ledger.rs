@@ -187,6 +187,28 @@ impl Plan {
         [loads * bytes, stores * bytes]
     }
 
+    /// Bytes a pixel of all attachments of a pass, of the pass that has most: what the tile holds.
+    pub fn bytes_on_tile(&self) -> u32 {
+        self.most_of_a_pass(super::Format::bytes)
+    }
+
+    /// Bits a pixel of all colour attachments of a pass, of the pass that has most.
+    pub fn color_bits(&self) -> u32 {
+        self.most_of_a_pass(|format| if format.is_depth() { 0 } else { format.bits() })
+    }
+
+    fn most_of_a_pass(&self, figure: impl Fn(super::Format) -> u32) -> u32 {
+        let of_pass = |pass: &super::Pass| {
+            pass.attachments.iter().map(|a| figure(self.attachments[a.attachment].format)).sum()
+        };
+        self.passes.iter().map(of_pass).max().unwrap_or(0)
+    }
+
+    /// Bytes a pixel that all passes load and store.
+    pub fn bytes_moved(&self) -> u32 {
+        (0..self.attachments.len()).flat_map(|a| self.traffic(a)).sum()
+    }
+
     /// The ledger, without a device's figures.
     pub fn report(&self, scene: &crate::scene::Scene) -> Report {
         let traffic: Vec<_> = (0..self.attachments.len()).map(|a| self.traffic(a)).collect();

@@ -336,7 +336,8 @@ impl Plan {
         let around = around::images(&needs, &options);
         let pipelines = pipelines(&frame, &needs, light_way);
         let folded = frame.folded;
-        let mut notes = notes::of(&needs, &options, &gbuffer, path, &attachments, folded);
+        let mut notes = options.gbuffer_why.clone();
+        notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));

@@ -345,6 +345,8 @@ pub struct Options {
     pub environment_format: TexelFormat,
     /// How a lightmap's light is stored.
     pub lightmap_format: TexelFormat,
+    /// Why the G-buffer is what it is, where nobody named it ([`crate::measure::choose`]); the plan's notes begin with it.
+    pub gbuffer_why: Vec<String>,
 }
 
 impl Default for Options {
@@ -372,6 +374,7 @@ impl Default for Options {
             keep_gbuffer: false,
             environment_format: TexelFormat::E5B9G9R9,
             lightmap_format: TexelFormat::E5B9G9R9,
+            gbuffer_why: Vec::new(),
         }
     }
 }

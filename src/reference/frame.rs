@@ -12,7 +12,7 @@ use super::quantise::{Stored, blend_light, decode, quantise, store_light};
 use super::shade::reflected_parts;
 use super::shadow::Occlusion;
 use super::tonemap::tonemap;
-use super::view::{Ray, View};
+use super::view::{Ray, View, Window};
 use super::visibility::{Hit, Visibility};
 use crate::environment::TexelFormat;
 use crate::plan::{Format, GBuffer, LightPlace, Tonemap};
@@ -23,6 +23,8 @@ use crate::scene::{Background, Camera, Scene};
 pub struct Settings {
     /// Width and height in pixels.
     pub size: [u32; 2],
+    /// The part of a larger picture that is computed; it has that size. `None`: the whole.
+    pub window: Option<Window>,
     /// Light is multiplied by 2 to this power.
     pub exposure_ev: f64,
     /// From exposed light to the display.
@@ -45,6 +47,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             size: [320, 180],
+            window: None,
             exposure_ev: 0.0,
             tonemap: Tonemap::Neutral,
             gbuffer: None,
@@ -58,6 +61,13 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// What the camera sees.
+    pub fn view(&self, camera: &Camera) -> View {
+        self.window
+            .as_ref()
+            .map_or_else(|| View::new(camera, self.size), |window| View::within(camera, window))
+    }
+
     /// The multiplier 2^EV.
     pub fn exposure(&self) -> f64 {
         self.exposure_ev.exp2()
@@ -131,40 +141,68 @@ impl Frame {
 /// # Panics
 /// If an index within the scene is out of range.
 pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
-    let view = View::new(camera, settings.size);
-    let visibility = Visibility::new(scene);
-    let around = Around::new(scene, settings.around).with_lightmap(scene, settings.lightmap);
-    let occlusion = Occlusion::new(scene, &visibility);
-    let occlusion = settings.shadows.then_some(&occlusion);
-    let [width, height] = settings.size;
+    Tracer::new(scene, settings).render(camera, settings)
+}
 
-    let centers = Lattice::trace(&visibility, &view, [width, height], 0.5);
-    let corners = Lattice::trace(&visibility, &view, [width + 1, height + 1], 0.0);
-    let pixels = (0..width * height).into_par_iter().map(|index| {
-        let (x, y) = (index % width, index / width);
-        let edge = is_edge(&visibility, &view, &centers, &corners, x, y);
-        let Some(hit) = centers.at(x, y) else {
-            let sky = match scene.background {
-                Background::Environment => around.sky(view.ray_through_pixel([x, y]).direction.normalize()),
-                Background::Black | Background::Color(_) => DVec3::ZERO,
+/// A scene made ready for rays, to render several pictures of it.
+pub struct Tracer<'a> {
+    scene: &'a Scene,
+    visibility: Visibility<'a>,
+    around: Around<'a>,
+}
+
+impl<'a> Tracer<'a> {
+    /// Of the settings, those about light from all around and about the lightmap count here, and no more in
+    /// [`Self::render`].
+    ///
+    /// # Panics
+    /// If an index within the scene is out of range.
+    pub fn new(scene: &'a Scene, settings: &Settings) -> Self {
+        let around = Around::new(scene, settings.around).with_lightmap(scene, settings.lightmap);
+        Self { scene, visibility: Visibility::new(scene), around }
+    }
+
+    /// As [`render`].
+    ///
+    /// # Panics
+    /// If an index within the scene is out of range.
+    pub fn render(&self, camera: &Camera, settings: &Settings) -> Frame {
+        let view = settings.view(camera);
+        let Tracer { scene, visibility, around } = self;
+        let occlusion = Occlusion::new(scene, visibility);
+        let occlusion = settings.shadows.then_some(&occlusion);
+        let [width, height] = settings.size;
+
+        let centers = Lattice::trace(visibility, &view, [width, height], 0.5);
+        let corners = Lattice::trace(visibility, &view, [width + 1, height + 1], 0.0);
+        let pixels = (0..width * height).into_par_iter().map(|index| {
+            let (x, y) = (index % width, index / width);
+            let edge = is_edge(visibility, &view, &centers, &corners, x, y);
+            let Some(hit) = centers.at(x, y) else {
+                let sky = match scene.background {
+                    Background::Environment => {
+                        around.sky(view.ray_through_pixel([x, y]).direction.normalize())
+                    }
+                    Background::Black | Background::Color(_) => DVec3::ZERO,
+                };
+                return Pixel {
+                    edge,
+                    ..finish(scene, (&view, [x, y]), settings, None, Attributes::default(), sky)
+                };
             };
-            return Pixel {
-                edge,
-                ..finish(scene, (&view, [x, y]), settings, None, Attributes::default(), sky)
+            let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
+            let exact = attributes(visibility, around, &view, position_world, hit);
+            let light_factor = settings.exposure() * settings.light_scale;
+            let surface = match &settings.gbuffer {
+                Some(gbuffer) => quantise(gbuffer, &exact, &view, [x, y], light_factor),
+                None => exact,
             };
-        };
-        let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
-        let exact = attributes(&visibility, &around, &view, position_world, hit);
-        let light_factor = settings.exposure() * settings.light_scale;
-        let surface = match &settings.gbuffer {
-            Some(gbuffer) => quantise(gbuffer, &exact, &view, [x, y], light_factor),
-            None => exact,
-        };
-        let prelit = if settings.stores_prelit() { surface.prelit } else { exact.prelit };
-        let surface = Attributes { prelit, ..surface };
-        Pixel { edge, ..finish(scene, (&view, [x, y]), settings, occlusion, surface, prelit) }
-    });
-    Frame { size: settings.size, pixels: pixels.collect() }
+            let prelit = if settings.stores_prelit() { surface.prelit } else { exact.prelit };
+            let surface = Attributes { prelit, ..surface };
+            Pixel { edge, ..finish(scene, (&view, [x, y]), settings, occlusion, surface, prelit) }
+        });
+        Frame { size: settings.size, pixels: pixels.collect() }
+    }
 }
 
 /// Shades a G-buffer that a renderer wrote, rows from the top: what its lighting and tonemap should have made of
@@ -175,7 +213,7 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
 /// # Panics
 /// If `gbuffer` does not hold one element a pixel.
 pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffer: &[Stored]) -> Frame {
-    let view = View::new(camera, settings.size);
+    let view = settings.view(camera);
     let [width, height] = settings.size;
     assert_eq!(gbuffer.len(), (width * height) as usize, "one element a pixel");
     let exact = GBuffer::exact();

@@ -41,10 +41,10 @@ pub mod visibility;
 #[cfg(test)]
 mod testing;
 
-pub use frame::{Frame, Pixel, Settings, render, shade_gbuffer};
+pub use frame::{Frame, Pixel, Settings, Tracer, render, shade_gbuffer};
 pub use gbuffer::Attributes;
 pub use quantise::{Stored, decode, encode, quantise};
 pub use shade::shade;
 pub use shadow::Occlusion;
-pub use view::View;
+pub use view::{View, Window};
 pub use visibility::Visibility;

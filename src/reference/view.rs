@@ -21,6 +21,19 @@ pub struct View {
     /// World space, unit length: the way the camera looks.
     pub forward_world: DVec3,
     projection: Projection,
+    /// What places are counted from, pixels from the image's upper left corner.
+    origin_px: DVec2,
+}
+
+/// A part of an image, pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Width and height of the whole image.
+    pub image: [u32; 2],
+    /// The column and the row at which the part begins.
+    pub origin: [u32; 2],
+    /// Width and height of the part.
+    pub size: [u32; 2],
 }
 
 /// A half-line in world space. Its parameter is the distance along the view axis, metres.
@@ -58,13 +71,22 @@ impl View {
             down_world: -world_from_view.y_axis.truncate() * half_height,
             forward_world: -world_from_view.z_axis.truncate(),
             projection: camera.projection,
+            origin_px: DVec2::ZERO,
         }
+    }
+
+    /// The same view; places are counted from the window's corner.
+    pub fn within(camera: &Camera, window: &Window) -> Self {
+        let [x, y] = window.origin.map(f64::from);
+        Self { origin_px: DVec2::new(x, y), ..Self::new(camera, window.image) }
     }
 
     /// The ray through a place in the image, in pixels: (0, 0) is the upper left corner, (0.5, 0.5) the first
     /// pixel's centre.
     pub fn ray(&self, place_px: DVec2) -> Ray {
-        let ndc = 2.0 * place_px / DVec2::new(f64::from(self.size[0]), f64::from(self.size[1])) - 1.0;
+        let ndc = 2.0 * (place_px + self.origin_px)
+            / DVec2::new(f64::from(self.size[0]), f64::from(self.size[1]))
+            - 1.0;
         let offset = self.right_world * ndc.x + self.down_world * ndc.y;
         match self.projection {
             Projection::Perspective { znear_m, zfar_m, .. } => Ray {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::measure::{Clock, Comparison, Summary};
+use crate::measure::{Clock, Comparison, Predicted, Summary};
 use crate::plan::{Bins, Choice, Strategy, Tonemap};
 use crate::{Error, Result, file};
 
@@ -93,6 +93,10 @@ pub struct Measured {
     pub against_reference: Errors,
     /// The picture against that of the layout `exact` on the same device: what the formats lose.
     pub against_exact: Errors,
+    /// What the probe of `--layout auto` says of the picture against the reference; `None` if it sees no lit surface.
+    pub predicted: Option<Predicted>,
+    /// Whether `--layout auto` considers this G-buffer for the scene.
+    pub is_candidate: bool,
 }
 
 /// Bytes a pixel; planned.
@@ -106,6 +110,8 @@ pub struct Bytes {
     pub moved: u32,
     /// The same if every stage were a pass of its own.
     pub moved_separate: u32,
+    /// Of these, what `--layout auto` counts on this device: the tile's where a G-buffer stays on the chip, else those moved.
+    pub counted: u32,
 }
 
 /// How a GPU's tile memory cuts the frame.

@@ -59,11 +59,16 @@ impl Cost {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Time, Self::Bytes];
 
-    /// Its figure.
-    pub fn of(self, measured: &Measured) -> f64 {
+    /// Its figure, and the quartiles of one that varies. Times are ratios to the base's frames of the same rounds times
+    /// `base_ms`, so that what the machine did in other races counts for nothing.
+    pub fn of(self, measured: &Measured, base_ms: f64) -> (f64, Option<[f64; 2]>) {
+        let ratio = measured.ratio;
         match self {
-            Self::Time => measured.frame_ms.median,
-            Self::Bytes => f64::from(measured.bytes.on_tile),
+            Self::Time => (
+                ratio.median * base_ms,
+                Some([ratio.first_quartile, ratio.third_quartile].map(|r| r * base_ms)),
+            ),
+            Self::Bytes => (f64::from(measured.bytes.on_tile), None),
         }
     }
 

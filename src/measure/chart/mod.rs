@@ -8,6 +8,7 @@
 
 mod csv;
 mod data;
+mod hits;
 mod metric;
 mod page;
 mod plots;
@@ -24,7 +25,7 @@ use sha2::{Digest, Sha256};
 pub use data::{Bytes, Cell, DriverFigures, Errors, Measured, Outcome, Place, Report, Tiled, Truth};
 pub use metric::{Cost, Metric, pareto};
 
-use super::{Clock, Effort, Racer, Summary, race};
+use super::{Clock, Effort, Probe, Racer, Summary, candidates_for, race};
 use crate::gpu::{Device, PipelineCache};
 use crate::plan::{Adreno, Choice, Layout, Limits, Needs, Occupancy, Options, Plan, Strategy};
 use crate::scene::Scene;
@@ -33,6 +34,17 @@ use truth::{Stage, Truths};
 
 /// What takes part in every race.
 pub const BASE: Choice = Choice::of(Layout::Metallic128);
+
+/// Every layout as it is, each single other choice over [`BASE`], and what `--layout auto` chooses from.
+pub fn default_choices() -> Vec<Choice> {
+    let mut choices = Choice::one_by_one(BASE);
+    for choice in Choice::candidates() {
+        if !choices.contains(&choice) {
+            choices.push(choice);
+        }
+    }
+    choices
+}
 
 /// Others in a race with [`BASE`]: few enough that the memory of a phone holds them.
 const RACERS: usize = 6;
@@ -196,6 +208,8 @@ struct Group<'a> {
     cache: PipelineCache,
     size: [u32; 2],
     truths: Truths,
+    /// `None` if it sees no lit surface.
+    probe: Option<Probe<'a>>,
 }
 
 impl<'a> Group<'a> {
@@ -205,7 +219,8 @@ impl<'a> Group<'a> {
         let cache = PipelineCache::new(device, &[])?;
         let stage = stage(sweep, device, &cache, &unshadowed, camera, size);
         let truths = Truths::new(&stage)?;
-        Ok(Self { sweep, device, scene, camera, unshadowed, cache, size, truths })
+        let probe = Probe::new(scene, &scene.cameras[camera], &stage.options, sweep.exposure_ev).ok();
+        Ok(Self { sweep, device, scene, camera, unshadowed, cache, size, truths, probe })
     }
 
     fn options(&self, choice: Choice) -> Options {
@@ -272,6 +287,8 @@ impl<'a> Group<'a> {
             left_out,
             against_reference,
             against_exact,
+            is_candidate: candidates_for(&plan.needs).contains(&choice),
+            predicted: self.probe.as_ref().map(|probe| probe.error(&plan)),
         })))
     }
 }
@@ -291,18 +308,14 @@ fn stage<'a>(
 /// What a plan moves and holds, a pixel; and the plan.
 fn bytes(scene: &Scene, options: Options, limits: &Limits) -> Result<(Bytes, Plan)> {
     let plan = |strategy| Plan::new(Needs::of(scene), Options { strategy, ..options.clone() }, limits);
-    let moved = |plan: &Plan| (0..plan.attachments.len()).flat_map(|a| plan.traffic(a)).sum();
     let (own, separate) = (plan(options.strategy)?, plan(Strategy::Separate)?);
-    let passes = || own.passes.iter().map(|pass| &pass.attachments);
-    let format = |used: &crate::plan::PassAttachment| own.attachments[used.attachment].format;
-    let most = |figure: fn(crate::plan::Format) -> u32| {
-        passes().map(|used| used.iter().map(|a| figure(format(a))).sum()).max().unwrap_or(0)
-    };
+    let counted = if limits.gbuffer_on_chip { own.bytes_on_tile() } else { separate.bytes_moved() };
     let bytes = Bytes {
-        on_tile: most(|format| format.bytes()),
-        color_bits: most(|format| if format.is_depth() { 0 } else { format.bits() }),
-        moved: moved(&own),
-        moved_separate: moved(&separate),
+        counted,
+        on_tile: own.bytes_on_tile(),
+        color_bits: own.color_bits(),
+        moved: own.bytes_moved(),
+        moved_separate: separate.bytes_moved(),
     };
     Ok((bytes, own))
 }

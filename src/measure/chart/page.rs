@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use super::BASE;
 use super::data::{Measured, Outcome, Report, Truth, device_name};
+use super::hits::{Hits, Predictor, hits};
 use super::metric::{Cost, Metric};
 use super::plots::{file_name, is_charted};
 use super::standing::{Standing, standings, winners};
@@ -27,6 +28,7 @@ pub(super) fn page(report: &Report) -> String {
         numbers(&mut page, device, &standings);
         others(&mut page, device, &standings);
     }
+    predictions(&mut page, report);
     charts(&mut page, report);
     tiles(&mut page, report);
     refusals(&mut page, report);
@@ -102,16 +104,16 @@ fn because(best: &Standing, base: &Standing) -> String {
     }
     let factor = base.error(Metric::Flip) / best.error(Metric::Flip);
     let error = match factor {
-        f if f >= 1.05 => format!("FLIP {} times smaller", short(f)),
-        f if f <= 1.0 / 1.05 => format!("FLIP {} times larger", short(1.0 / f)),
-        _ => "the same FLIP".into(),
+        f if f >= 1.05 => format!("FLIP is {} times smaller than with `{BASE}`", short(f)),
+        f if f <= 1.0 / 1.05 => format!("FLIP is {} times larger than with `{BASE}`", short(1.0 / f)),
+        _ => format!("FLIP is that of `{BASE}`"),
     };
     let bytes = match i64::from(best.bytes_on_tile) - i64::from(base.bytes_on_tile) {
         0 => "as many bytes".into(),
         more if more > 0 => format!("{more} bytes more"),
         fewer => format!("{} bytes fewer", -fewer),
     };
-    format!("{error} and {bytes} than `{BASE}`")
+    format!("{error}, with {bytes}")
 }
 
 fn decibel(db: f64) -> String {
@@ -163,6 +165,38 @@ fn others(page: &mut String, device: &str, standings: &[Standing]) {
     for s in others {
         row(page, &format!("`{}`", s.choice), s);
     }
+}
+
+/// How well `--layout auto` would have chosen.
+fn predictions(page: &mut String, report: &Report) {
+    let mut lines = String::new();
+    for device in report.devices() {
+        let [probe, others] =
+            [Predictor::Probe, Predictor::OtherScenes].map(|predictor| hits(report, device, predictor));
+        for ((metric, probe), (_, others)) in probe.into_iter().zip(others) {
+            let shares = |hits: Hits| match hits.decisions {
+                0 => "| |".into(),
+                n => {
+                    let percent = |k: usize| format!("{:.0} %", 100.0 * k as f64 / n as f64);
+                    format!("| {} | {} ", percent(hits.kept), percent(hits.cheapest))
+                }
+            };
+            if probe.decisions > 0 {
+                let (n, probe, others) = (probe.decisions, shares(probe), shares(others));
+                let _ = writeln!(lines, "| {} | {metric} | {n} {probe}{others}|", name_of(device));
+            }
+        }
+    }
+    if lines.is_empty() {
+        return;
+    }
+    *page += "\n## How well `--layout auto --max-error` would have chosen\n\n\
+              | device | metric | decisions | limit kept | and the cheapest | by other scenes: kept | and the cheapest |\n\
+              |---|---|---|---|---|---|---|\n";
+    *page += &lines;
+    *page += "\nA decision is a scene, a size and a limit, from strict to lax. `auto` predicts by a probe of the scene itself; the last \
+              columns show what the worst error of all other scenes would have chosen. To promise nothing keeps the limit, but is \
+              not the cheapest where something would have done.\n";
 }
 
 fn charts(page: &mut String, report: &Report) {

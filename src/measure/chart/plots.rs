@@ -1,5 +1,6 @@
 //! From a report to its charts: for each device, scene and size one of times and one of bytes, a field an error.
 
+use super::BASE;
 use super::data::{Cell, Place, Report};
 use super::metric::{Cost, Metric, pareto};
 use super::scatter::{Field, Point, Scatter};
@@ -31,7 +32,10 @@ fn scatter(place: &Place, cells: &[&Cell], cost: Cost) -> Option<Scatter> {
     if shown.is_empty() {
         return None;
     }
-    let fields = Metric::ALL.iter().map(|&metric| field(&shown, cost, metric)).collect();
+    // What the base took in its own cell; without that, in each cell's rounds.
+    let base = cells.iter().find(|cell| cell.choice == BASE).and_then(|cell| cell.measured());
+    let base_ms = base.or(shown[0].measured()).map_or(1.0, |m| m.frame_ms.median / m.ratio.median);
+    let fields = Metric::ALL.iter().map(|&metric| field(&shown, cost, base_ms, metric)).collect();
     let what = match cost {
         Cost::Time => "frame time against error",
         Cost::Bytes => "bytes on the tile against error",
@@ -45,7 +49,7 @@ fn scatter(place: &Place, cells: &[&Cell], cost: Cost) -> Option<Scatter> {
     })
 }
 
-fn field(cells: &[&Cell], cost: Cost, metric: Metric) -> Field {
+fn field(cells: &[&Cell], cost: Cost, base_ms: f64, metric: Metric) -> Field {
     let measured = |cell: &&Cell| cell.measured().cloned().expect("only what was drawn is shown");
     let known = cells.iter().map(measured).map(|m| metric.of(&m.against_reference));
     // What equals the reference to the last bit is as good as the best that can be told from it, and a little better.
@@ -53,10 +57,11 @@ fn field(cells: &[&Cell], cost: Cost, metric: Metric) -> Field {
     let point = |cell: &&Cell| {
         let m = measured(cell);
         let y = metric.of(&m.against_reference);
+        let (x, spread) = cost.of(&m, base_ms);
         Point {
             name: cell.choice.to_string(),
-            x: cost.of(&m),
-            spread: (cost == Cost::Time).then_some([m.frame_ms.first_quartile, m.frame_ms.third_quartile]),
+            x,
+            spread,
             y: if y.is_finite() { y } else { best + 3.0 },
             is_plain: cell.choice.is_plain(),
             color: Layout::ALL.iter().position(|l| *l == cell.choice.layout).unwrap_or_default(),
@@ -64,10 +69,10 @@ fn field(cells: &[&Cell], cost: Cost, metric: Metric) -> Field {
     };
     let badness = |cell: &&Cell| {
         let m = measured(cell);
-        [cost.of(&m), metric.badness(&m.against_reference)]
+        [cost.of(&m, base_ms).0, metric.badness(&m.against_reference)]
     };
     let x_label = match cost {
-        Cost::Time => "milliseconds a frame, median",
+        Cost::Time => "milliseconds a frame, by the median ratio to metallic128",
         Cost::Bytes => "bytes a pixel of all attachments (planned)",
     };
     Field {

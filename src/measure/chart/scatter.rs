@@ -132,7 +132,7 @@ impl Field {
         let front: Vec<_> = self.front.iter().map(|&i| at(&self.points[i])).collect();
         let steps = front.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1), pair[1]]);
         let steps: Vec<_> = front.first().copied().into_iter().chain(steps).collect();
-        chart.draw_series(LineSeries::new(steps, BLACK.mix(0.35).stroke_width(2 * scale)))?;
+        chart.draw_series(LineSeries::new(steps.iter().copied(), BLACK.mix(0.35).stroke_width(2 * scale)))?;
         // Smaller points last, so that larger ones do not hide them.
         let mut order: Vec<_> = (0..self.points.len()).collect();
         order.sort_by_key(|&i| !self.points[i].is_plain);
@@ -151,6 +151,17 @@ impl Field {
                 chart.draw_series([Circle::new(at(point), (point.radius() + 4) * scale, ring)])?;
             }
         }
+        // Names keep off lines too.
+        let line = |from: (f64, f64), to: (f64, f64)| {
+            let [from, to] = [from, to].map(|place| chart.backend_coord(&place));
+            Box2::spanning(from, to, 2 * scale as i32)
+        };
+        let lines = steps.windows(2).map(|pair| line(pair[0], pair[1]));
+        let spreads = self.points.iter().filter_map(|p| {
+            let [first, third] = p.spread?;
+            Some(line((first, at(p).1), (third, at(p).1)))
+        });
+        let lines: Vec<_> = lines.chain(spreads).collect();
         let markers: Vec<_> = self
             .points
             .iter()
@@ -158,7 +169,7 @@ impl Field {
             .collect();
         let (x_range, y_range) = chart.plotting_area().get_pixel_range();
         let field = Box2 { left: x_range.start, right: x_range.end, top: y_range.start, bottom: y_range.end };
-        self.draw_names(canvas, &markers, field)
+        self.draw_names(canvas, &markers, &lines, field)
     }
 
     /// Names the points on the front, then the other layouts, each at the nearest place that is free.
@@ -166,10 +177,11 @@ impl Field {
         &self,
         canvas: &Canvas<B>,
         markers: &[Box2],
+        lines: &[Box2],
         field: Box2,
     ) -> Drawn {
         let others = (0..self.points.len()).filter(|i| self.points[*i].is_plain && !self.front.contains(i));
-        let mut taken: Vec<Box2> = markers.to_vec();
+        let mut taken: Vec<Box2> = markers.iter().chain(lines).copied().collect();
         for i in self.front.iter().copied().chain(others) {
             let point = &self.points[i];
             let (width, height) = canvas.text_size(&point.name, LABEL);
@@ -224,7 +236,7 @@ fn places(center: (i32, i32), (width, height): (i32, i32), scale: i32) -> impl I
         (-2, -1),
         (-2, 1),
     ];
-    const DISTANCES: [i32; 9] = [10, 16, 26, 38, 52, 70, 92, 120, 150];
+    const DISTANCES: [i32; 9] = [12, 18, 26, 38, 52, 70, 92, 120, 150];
     DISTANCES.into_iter().flat_map(move |distance| {
         DIRECTIONS.into_iter().map(move |(dx, dy)| {
             let (x, y) = (center.0 + dx * distance * scale / 2, center.1 + dy * distance * scale / 2);
@@ -255,6 +267,15 @@ struct Box2 {
 impl Box2 {
     fn around((x, y): (i32, i32), radius: i32) -> Self {
         Self { left: x - radius, top: y - radius, right: x + radius, bottom: y + radius }
+    }
+
+    fn spanning(a: (i32, i32), b: (i32, i32), room: i32) -> Self {
+        Self {
+            left: a.0.min(b.0) - room,
+            right: a.0.max(b.0) + room,
+            top: a.1.min(b.1) - room,
+            bottom: a.1.max(b.1) + room,
+        }
     }
 
     fn center(&self) -> (i32, i32) {

@@ -4,7 +4,7 @@ use super::data::{Bytes, Cell, Errors, Measured, Outcome, Place, Report, Truth};
 use super::metric::Metric;
 use super::page::page;
 use super::standing::{standings, winners};
-use crate::measure::{Clock, Summary};
+use crate::measure::{Clock, Predicted, Summary};
 use crate::plan::{Choice, Layout, Strategy, Tonemap};
 
 fn place(scene: &str) -> Place {
@@ -37,12 +37,20 @@ fn cell(scene: &str, layout: Layout, [ms, flip]: [f64; 2], on_tile: u32) -> Cell
         clock: Clock::Gpu,
         frame_ms: summary(ms),
         ratio: summary(ms / 2.0),
-        bytes: Bytes { on_tile, color_bits: 8 * (on_tile - 4), moved: 4, moved_separate: 3 * on_tile },
+        bytes: Bytes {
+            on_tile,
+            color_bits: 8 * (on_tile - 4),
+            moved: 4,
+            moved_separate: 3 * on_tile,
+            counted: on_tile,
+        },
         bins: Vec::new(),
         truth: Truth::Scene,
         left_out: 0.05,
         against_reference: errors,
         against_exact: errors,
+        is_candidate: layout != Layout::Exact,
+        predicted: Some(Predicted { flip, psnr_db: Some(40.0 - 100.0 * flip), ciede2000_p95: 10.0 * flip }),
     };
     let outcome = Outcome::Measured(Box::new(measured));
     Cell { place: place(scene), choice: Choice::of(layout), outcome }

@@ -75,6 +75,7 @@ impl Stage<'_> {
     fn settings(&self, plan: &Plan) -> Settings {
         Settings {
             size: self.options.size,
+            window: None,
             exposure_ev: f64::from(self.exposure_ev),
             tonemap: self.options.tonemap,
             gbuffer: None,
