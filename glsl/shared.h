@@ -128,6 +128,7 @@
 #define ID_LIGHT_READ 62
 #define ID_LIGHT_ALPHA 63
 #define ID_GBUFFER 64
+#define ID_BRDF 65
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0
@@ -154,6 +155,11 @@
 #define GAMMA_BY_FORMAT 0
 #define GAMMA_2_2 1
 #define GAMMA_2_0 2
+
+// Values of the constant BRDF.
+#define BRDF_EXACT 0
+#define BRDF_FITTED 1
+#define BRDF_MEDIUMP 2
 
 // Kinds of material texture: bit numbers of TEXCOORD_BITS and TRANSFORM_BITS, indices of Material.uv_rows.
 #define KIND_BASE_COLOR 0

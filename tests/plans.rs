@@ -4,10 +4,14 @@ mod common;
 
 use common::expected::Expected;
 use common::{environments, scenes};
+<<<<<<< HEAD
 use ontile::plan::{
     DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Needs, Normals, Options, OutputFormat, Path,
     Plan, Strategy,
 };
+=======
+use ontile::plan::{Brdf, Layout, LightWay, Limits, Needs, Options, OutputFormat, Path, Plan, Strategy};
+>>>>>>> main
 use ontile::scene::Scene;
 
 fn plan(scene: &Scene, options: Options) -> Plan {
@@ -67,6 +71,11 @@ fn printed() -> Vec<(String, String)> {
         ("environment".into(), plan(&environments::environment(), default())),
         ("probes".into(), plan(&environments::probes(), default())),
         ("environment_forward".into(), plan(&environments::environment_alone(), forward())),
+        (
+            "environment_fitted".into(),
+            plan(&environments::environment(), Options { brdf: Brdf::Fitted, ..default() }),
+        ),
+        ("lit_mediump".into(), plan(&lights, Options { brdf: Brdf::Mediump, ..default() })),
         ("lit_clusters".into(), plan(&lights, by(LightWay::Clusters))),
         ("lit_volumes".into(), plan(&lights, by(LightWay::Volumes))),
         ("lit_stencil".into(), plan(&lights, by(LightWay::Stencil))),

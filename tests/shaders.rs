@@ -18,7 +18,7 @@ use ontile::gpu::shared::{
     ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush, MaterialData,
     ProbeData, ShadowPush, ShadowViewData,
 };
-use ontile::plan::{GBuffer, Tonemap};
+use ontile::plan::{Brdf, GBuffer, Tonemap};
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;
 use rspirv::spirv::{Decoration, Op};
@@ -292,6 +292,7 @@ fn every_constant() -> Specialization {
         .and(LightingConstants::default().specialization())
         .and(output.specialization())
         .and(GBufferConstants::new(&GBuffer::exact()).specialization())
+        .and(Specialization::brdf(Brdf::Exact))
         .and(Specialization::volume(0))
 }
 

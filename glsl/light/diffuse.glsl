@@ -8,5 +8,6 @@ float transmission(float n_dot_v) {
 
 // Times irradiance over pi: cd/m^2 towards the viewer.
 vec3 diffuse_albedo(Surface surface, float n_dot_v) {
-    return surface.diffuse * ((1.0 - DIELECTRIC_F0) * transmission(n_dot_v));
+    vec3 albedo = surface.diffuse * ((1.0 - DIELECTRIC_F0) * transmission(n_dot_v));
+    return BRDF == BRDF_MEDIUMP ? held(albedo) : albedo;
 }

@@ -11,8 +11,8 @@ use ontile::glam::Vec3;
 use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
-    DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, Path, ShadowFilter,
-    ShadowFormat, ShadowOptions, Strategy, Tonemap,
+    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, Path,
+    ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
 };
 use ontile::scene::{Background, FogHeight, Scene};
 
@@ -108,6 +108,10 @@ pub struct PlanArgs {
     /// layout's way]
     #[arg(long, value_name = "NAME", value_parser = named(DepthStore::ALL, DepthStore::name))]
     pub depth: Option<DepthStore>,
+    /// How reflection is evaluated: exact is glTF's own formulas; fitted has no square roots in the visibility term and no table
+    /// for light from all around; mediump is exact in half floats, emulated to show their error, not their speed
+    #[arg(long, default_value_t = Brdf::Exact, value_parser = named(Brdf::ALL, Brdf::name))]
+    pub brdf: Brdf,
     /// When surfaces are lit: after all are known, or as each is drawn; forward-multipass adds up the light of surfaces that
     /// coincide
     #[arg(long, default_value_t = Path::Deferred, value_parser = named(Path::ALL, Path::name))]
@@ -176,6 +180,7 @@ impl PlanArgs {
             gamma: self.gamma,
             light_target: self.light_target,
             depth: self.depth,
+            brdf: self.brdf,
             path: self.path,
             depth_prepass: self.depth_prepass,
             illumination_sets: !self.no_illumination_sets,

@@ -2,7 +2,7 @@
 //!
 //! The albedo of glTF's specular lobe is linear in the reflectance at normal incidence, f0 a + b (Karis, "Real Shading in
 //! Unreal Engine 4", 2013, "Environment BRDF"), with a and b functions of n·v and roughness alone. They are kept as a
-//! table. Karis' later fit for mobile GPUs ("Physically Based Shading on Mobile", 2014) is for another visibility term:
+//! table. Karis' later fit for mobile GPUs ([`fitted`]) is for another visibility term:
 //! against glTF's height-correlated one it is off by up to 0.08 for dielectrics and 0.53 for white metal, both at grazing
 //! angles. The table is off by at most 0.007, by 0.0002 in the mean (`reference::environment` measures it), and costs one
 //! look-up in 16 KiB. No rational function of up to 19 coefficients came below 0.03.
@@ -45,4 +45,13 @@ pub fn look_up(n_dot_v: f64, roughness: f64) -> [f64; 2] {
 /// 0.0001. A coat of reflectance f0 lets through (1 - f0) times as much.
 pub fn transmission(n_dot_v: f64) -> f64 {
     0.97191 + n_dot_v * (0.07756 + n_dot_v * (-0.07515 + n_dot_v * 0.02567))
+}
+
+/// a and b without the table (Karis, "Physically Based Shading on Mobile", 2014, `EnvBRDFApprox`). Made for Schlick's form of the
+/// visibility term; `reference::environment` measures what it is off by.
+pub fn fitted(n_dot_v: f64, roughness: f64) -> [f64; 2] {
+    let smoothness = 1.0 - roughness;
+    let edge =
+        (smoothness * smoothness).min((-9.28 * n_dot_v).exp2()) * smoothness + 0.0425 - 0.0275 * roughness;
+    [1.04 - 0.572 * roughness - 1.04 * edge, -0.04 + 0.022 * roughness + 1.04 * edge]
 }

@@ -39,9 +39,9 @@ impl AroundData {
         let probes = if has_probes { &scene.probes[..] } else { &[] };
         probes.iter().try_for_each(Probe::check)?;
         let lightmap = scene.lightmap.as_ref().filter(|_| plan.needs.lightmap.is_some());
-        let reflects = plan.needs.kinds.iter().any(|need| need.kind.around.any());
+        let has_table = plan.around.iter().any(|image| image.name == "split_sum");
         let mut data = Self {
-            split_sum: reflects.then(|| split_sum_table(device, upload)).transpose()?,
+            split_sum: has_table.then(|| split_sum_table(device, upload)).transpose()?,
             lightmap: lightmap.map(|map| lightmap_image(device, upload, map, plan)).transpose()?,
             sampler: Some(edge_sampler(device, "around")?),
             ..Self::default()

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{DepthStore, GBuffer, Gamma, Layout, LightFormat, Normals, Options};
+use super::{Brdf, DepthStore, GBuffer, Gamma, Layout, LightFormat, Normals, Options};
 
-/// The part of [`Options`] that says how surfaces and light are stored.
+/// The part of [`Options`] that says how surfaces and light are stored, and how accurately they are shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Choice {
     /// The layout.
@@ -17,24 +17,27 @@ pub struct Choice {
     pub light_target: Option<LightFormat>,
     /// Where depth is read, likewise.
     pub depth: Option<DepthStore>,
+    /// How reflection is evaluated.
+    #[serde(default)]
+    pub brdf: Brdf,
 }
 
 impl Choice {
     /// A layout as it is.
     pub const fn of(layout: Layout) -> Self {
-        Self { layout, normals: None, gamma: None, light_target: None, depth: None }
+        Self { layout, normals: None, gamma: None, light_target: None, depth: None, brdf: Brdf::Exact }
     }
 
     /// What these options choose.
     pub fn in_options(options: &Options) -> Self {
-        let Options { layout, normals, gamma, light_target, depth, .. } = *options;
-        Self { layout, normals, gamma, light_target, depth }
+        let Options { layout, normals, gamma, light_target, depth, brdf, .. } = *options;
+        Self { layout, normals, gamma, light_target, depth, brdf }
     }
 
     /// The options with this choice in place of their own.
     pub fn apply(self, options: &Options) -> Options {
-        let Self { layout, normals, gamma, light_target, depth } = self;
-        Options { layout, normals, gamma, light_target, depth, ..options.clone() }
+        let Self { layout, normals, gamma, light_target, depth, brdf } = self;
+        Options { layout, normals, gamma, light_target, depth, brdf, ..options.clone() }
     }
 
     /// Every layout as it is, then each single other choice over `base`.
@@ -44,10 +47,11 @@ impl Choice {
         let gamma = Gamma::ALL.iter().map(|&g| Self { gamma: Some(g), ..base });
         let light = LightFormat::ALL.iter().map(|&l| Self { light_target: Some(l), ..base });
         let depth = DepthStore::ALL.iter().map(|&d| Self { depth: Some(d), ..base });
-        let others = normals.chain(gamma).chain(light).chain(depth);
+        let brdf = Brdf::ALL.iter().map(|&b| Self { brdf: b, ..base });
+        let others = normals.chain(gamma).chain(light).chain(depth).chain(brdf);
         let own = base.gbuffer().ok();
         // What the base does by itself is no other choice.
-        let others = others.filter(|c| c.gbuffer().ok() != own);
+        let others = others.filter(|c| c.brdf != base.brdf || c.gbuffer().ok() != own);
         plain.chain(others).collect()
     }
 
@@ -75,7 +79,8 @@ impl Choice {
             for normals in some_of(Normals::ALL) {
                 for gamma in some_of(Gamma::ALL) {
                     for light_target in some_of(LightFormat::ALL) {
-                        let of = |depth| Self { layout, normals, gamma, light_target, depth };
+                        let brdf = Brdf::Exact;
+                        let of = |depth| Self { layout, normals, gamma, light_target, depth, brdf };
                         combined.extend(some_of(DepthStore::ALL).map(of));
                     }
                 }
@@ -89,7 +94,8 @@ impl Choice {
                 all.push(choice);
             }
         }
-        all
+        let shaded = |&choice: &Self| Brdf::ALL.iter().map(move |&brdf| Self { brdf, ..choice });
+        all.iter().flat_map(shaded).collect()
     }
 
     /// What the choice comes to.
@@ -112,6 +118,7 @@ impl Choice {
             ("--gamma", self.gamma.map(Gamma::name)),
             ("--light-target", self.light_target.map(LightFormat::name)),
             ("--depth", self.depth.map(DepthStore::name)),
+            ("--brdf", (self.brdf != Brdf::Exact).then(|| self.brdf.name())),
         ];
         choices.into_iter().filter_map(|(flag, name)| Some((flag, name?)))
     }

@@ -52,7 +52,7 @@ pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub(crate) use options::named_enum;
 pub use options::{
-    DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, OutputUse, Path,
+    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, OutputUse, Path,
     ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
 };
 pub use shadow::{

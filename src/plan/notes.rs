@@ -1,7 +1,11 @@
 //! Decisions that a reader may wonder about.
 
 use super::layout::{GBuffer, LightTarget, Tells};
+<<<<<<< HEAD
 use super::{Attachment, Format, LightFormat, LightWay, Needs, Options, Path, path};
+=======
+use super::{Attachment, Brdf, Format, Needs, Options, Path, path};
+>>>>>>> main
 
 /// What a plan tells besides what it consists of.
 pub(super) fn of(
@@ -15,6 +19,16 @@ pub(super) fn of(
     let mut notes = Vec::new();
     if options.depth_prepass && needs.triangles <= 1 {
         notes.push("no triangle hides another: no depth test, so no depth pre-pass".into());
+    }
+    match options.brdf {
+        _ if needs.lit.is_none() => {}
+        Brdf::Exact => {}
+        Brdf::Fitted => notes.push(
+            "brdf fitted: a visibility term without square roots, and light from all around without a table".into(),
+        ),
+        Brdf::Mediump => notes.push(
+            "brdf mediump: half floats by rounding, which shows their error and not their speed; roughness is at least 0.089".into(),
+        ),
     }
     if needs.lit.is_none() {
         notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());

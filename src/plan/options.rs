@@ -153,6 +153,23 @@ named_enum! {
 }
 
 named_enum! {
+    /// How reflection is evaluated.
+    #[derive(Default)]
+    Brdf {
+        /// glTF 2.0, appendix B; of light from all around, by a table.
+        #[default]
+        Exact = "exact",
+        /// Without square roots in the visibility term (Hammon 2017), and without the table (Karis, "Physically Based Shading
+        /// on Mobile", 2014). [`reference::brdf`](crate::reference::brdf) and [`environment::split_sum`](crate::environment::split_sum)
+        /// have what either is off by.
+        Fitted = "fitted",
+        /// The exact formulas in half floats, as phones run `mediump`: emulated by rounding, so that the error is theirs
+        /// and the speed is not. Roughness is at least 0.089.
+        Mediump = "mediump",
+    }
+}
+
+named_enum! {
     /// When surfaces are lit.
     Path {
         /// After all surfaces are known: each pixel once, from the G-buffer.
@@ -313,6 +330,8 @@ pub struct Options {
     pub light_target: Option<LightFormat>,
     /// Where depth is read, likewise.
     pub depth: Option<DepthStore>,
+    /// How reflection is evaluated.
+    pub brdf: Brdf,
     /// When surfaces are lit.
     pub path: Path,
     /// How lights reach pixels.
@@ -359,6 +378,7 @@ impl Default for Options {
             gamma: None,
             light_target: None,
             depth: None,
+            brdf: Brdf::Exact,
             path: Path::Deferred,
             lights: LightWay::Auto,
             shadows: ShadowOptions::default(),

@@ -9,6 +9,7 @@ use super::environment::Integrator;
 use super::gbuffer::Attributes;
 use super::lightmap;
 use crate::environment::{DEFAULT_FACE_SIZE, Lookup, Prefiltered, TexelFormat, split_sum};
+use crate::plan::Brdf;
 use crate::scene::{Environment, Probe, Scene};
 
 /// How light from all around is evaluated.
@@ -37,6 +38,7 @@ pub struct Around<'a> {
     environment: Option<&'a Environment>,
     probes: Vec<(&'a Probe, Lookup)>,
     pub(super) lightmap: Option<lightmap::Lookup>,
+    brdf: Brdf,
     way: Way,
 }
 
@@ -67,7 +69,13 @@ impl<'a> Around<'a> {
                 Way::Integral(Integrator::new(environment.map(panorama), samples))
             }
         };
-        Self { ambient_nt: scene.ambient_nt.as_dvec3(), environment, probes, lightmap: None, way }
+        let (ambient_nt, brdf) = (scene.ambient_nt.as_dvec3(), Brdf::Exact);
+        Self { ambient_nt, environment, probes, lightmap: None, brdf, way }
+    }
+
+    /// With another way to evaluate reflection; [`Method::Integral`] has its own.
+    pub fn with_brdf(self, brdf: Brdf) -> Self {
+        Self { brdf, ..self }
     }
 
     /// With the scene's lightmap: [`lightmap::Lookup::new`].
@@ -104,7 +112,7 @@ impl<'a> Around<'a> {
                 }
                 let (sum, weights) = self.light_of_probes(surface, direction);
                 let specular_nt = sum / weights.max(1.0) + specular_nt * (1.0 - weights).max(0.0);
-                light_around(surface, n.dot(v), diffuse_nt, specular_nt, occlusion)
+                light_around(self.brdf, surface, n.dot(v), [diffuse_nt, specular_nt], occlusion)
             }
             Way::Integral(integrator) => {
                 let local = |d| self.environment.map_or(d, |e| e.environment_from_world(d));
@@ -171,15 +179,18 @@ pub fn dominant_direction(n: DVec3, v: DVec3, roughness: f64) -> DVec3 {
 ///
 /// Exact where light is the same from everywhere, else Karis' split sum (2013).
 pub fn light_around(
+    brdf: Brdf,
     surface: &Attributes,
     n_dot_v: f64,
-    diffuse_nt: DVec3,
-    specular_nt: DVec3,
+    [diffuse_nt, specular_nt]: [DVec3; 2],
     occlusion: f64,
 ) -> DVec3 {
     let n_dot_v = n_dot_v.clamp(MIN_N_DOT_V, 1.0);
     let f0 = DVec3::splat(DIELECTRIC_F0).lerp(surface.base_color, surface.metallic);
-    let [a, b] = split_sum::look_up(n_dot_v, surface.roughness);
+    let [a, b] = match brdf {
+        Brdf::Exact | Brdf::Mediump => split_sum::look_up(n_dot_v, surface.roughness),
+        Brdf::Fitted => split_sum::fitted(n_dot_v, surface.roughness),
+    };
     (diffuse_nt * diffuse_albedo(surface, n_dot_v) + specular_nt * (f0 * a + b)) * occlusion
 }
 
@@ -265,7 +276,8 @@ mod tests {
         assert!((shown(1.0, 0.0, 1.0) - 1.0).abs() < 1e-3);
         assert!((shown(0.0, 0.0, 1.0) - 1.0).abs() < 1e-3);
         // A diffuse body alone: its light times what its coat lets through, 0.96 when facing.
-        let body = light_around(&surface(0.0, 1.0, DVec3::ONE), 1.0, DVec3::ONE, DVec3::ZERO, 1.0).x;
+        let body =
+            light_around(Brdf::Exact, &surface(0.0, 1.0, DVec3::ONE), 1.0, [DVec3::ONE, DVec3::ZERO], 1.0).x;
         assert!((body - 0.96).abs() < 1e-4, "{body}");
     }
 

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use glam::DVec3;
 
 use super::gbuffer::Attributes;
+use crate::plan::Brdf;
 
 /// Perceptual roughness is clamped to at least this, so that alpha = roughness² = 0.002 and alpha² = 4.1e-6:
 /// the peak of D, 1 / (pi alpha²) = 7.8e4, and its square stay in the range and precision of f32, and a
@@ -47,6 +48,13 @@ pub fn v_smith_correlated(n_dot_l: f64, n_dot_v: f64, alpha: f64) -> f64 {
     0.5 / (lambda_v + lambda_l)
 }
 
+/// [`v_smith_correlated`] without square roots: exact at alpha = 0 and 1, the denominator linear in alpha between (Hammon, "PBR
+/// Diffuse Lighting for GGX+Smith Microsurfaces", 2017, "Smith's shadowing-masking").
+pub fn v_smith_fitted(n_dot_l: f64, n_dot_v: f64, alpha: f64) -> f64 {
+    let smooth = 2.0 * n_dot_l * n_dot_v;
+    0.5 / (smooth + (n_dot_l + n_dot_v - smooth) * alpha)
+}
+
 /// Schlick's Fresnel reflectance with f90 = 1, glTF 2.0 appendix B.3.4: Schlick 1994, eq. 15.
 pub fn f_schlick(f0: DVec3, v_dot_h: f64) -> DVec3 {
     f0 + (1.0 - f0) * (1.0 - v_dot_h).clamp(0.0, 1.0).powi(5)
@@ -56,12 +64,12 @@ pub fn f_schlick(f0: DVec3, v_dot_h: f64) -> DVec3 {
 ///
 /// glTF 2.0 appendix B.2: dielectric (diffuse under a coat) and metal, mixed by metallicness.
 pub fn brdf(surface: &Attributes, n: DVec3, v: DVec3, l: DVec3) -> DVec3 {
-    let (diffuse, specular) = brdf_parts(surface, n, v, l);
+    let (diffuse, specular) = brdf_parts(Brdf::Exact, surface, n, v, l);
     surface.diffuse() * diffuse + specular
 }
 
-/// The BRDF as what diffuse albedo multiplies, and the rest.
-pub fn brdf_parts(surface: &Attributes, n: DVec3, v: DVec3, l: DVec3) -> (f64, DVec3) {
+/// The BRDF as what diffuse albedo multiplies, and the rest. Half floats are not modelled here: [`Brdf::Mediump`] is exact.
+pub fn brdf_parts(brdf: Brdf, surface: &Attributes, n: DVec3, v: DVec3, l: DVec3) -> (f64, DVec3) {
     let h = (v + l).normalize_or_zero();
     let alpha = alpha_from_roughness(surface.roughness);
     let n_dot_v = n.dot(v).max(MIN_N_DOT_V);
@@ -69,7 +77,11 @@ pub fn brdf_parts(surface: &Attributes, n: DVec3, v: DVec3, l: DVec3) -> (f64, D
     let v_dot_h = v.dot(h).clamp(0.0, 1.0);
 
     let d = d_ggx(n.dot(h).clamp(0.0, 1.0), n.cross(h), alpha);
-    let specular = d * v_smith_correlated(n_dot_l, n_dot_v, alpha);
+    let visibility = match brdf {
+        Brdf::Exact | Brdf::Mediump => v_smith_correlated,
+        Brdf::Fitted => v_smith_fitted,
+    };
+    let specular = d * visibility(n_dot_l, n_dot_v, alpha);
     let coat = f_schlick(DVec3::splat(DIELECTRIC_F0), v_dot_h);
     let fresnel = match surface.reflectance {
         Some(f0) => f_schlick(f0, v_dot_h),
@@ -138,6 +150,34 @@ mod tests {
         }
         let least = v_smith_correlated(0.0, MIN_N_DOT_V, alpha_from_roughness(0.0));
         assert!(least <= 0.5 / 2e-7, "{least}");
+    }
+
+    #[test]
+    fn the_fitted_visibility_is_at_most_29_percent_too_dark() {
+        // Where n·l = n·v = alpha and all are small, the denominators are 2 sqrt(2) alpha² and 4 alpha².
+        let (mut least, mut place) = (f64::INFINITY, [0.0; 3]);
+        for i in 0..=100 {
+            let alpha = (f64::from(i) / 100.0).max(alpha_from_roughness(0.0));
+            for (j, k) in (0..=200).flat_map(|j| (0..=200).map(move |k| (j, k))) {
+                let (n_dot_v, n_dot_l) = ((f64::from(j) / 200.0).max(MIN_N_DOT_V), f64::from(k) / 200.0);
+                let ratio =
+                    v_smith_fitted(n_dot_l, n_dot_v, alpha) / v_smith_correlated(n_dot_l, n_dot_v, alpha);
+                assert!(ratio < 1.0 + 1e-12, "too bright by {ratio} at {alpha} {n_dot_v} {n_dot_l}");
+                if ratio < least {
+                    (least, place) = (ratio, [alpha, n_dot_v, n_dot_l]);
+                }
+            }
+        }
+        println!("V fitted / V exact: at least {least:.4}, at alpha, n·v, n·l = {place:?}");
+        let [alpha, n_dot_v, n_dot_l] = place;
+        assert!((0.707..0.71).contains(&least), "{least}");
+        assert!(alpha <= 0.01 && n_dot_v <= 0.01 && n_dot_l <= 0.01, "{place:?}");
+        // Exact at either end of alpha.
+        for (a, b) in [(0.01, 0.7), (0.5, 0.5), (1.0, 0.02)] {
+            for alpha in [0.0, 1.0] {
+                assert!((v_smith_fitted(a, b, alpha) / v_smith_correlated(a, b, alpha) - 1.0).abs() < 1e-12);
+            }
+        }
     }
 
     #[test]

@@ -262,6 +262,32 @@ mod tests {
         assert!(most < MOST && sum / (errors.len() as f64) < MEAN, "{most} {sum}");
     }
 
+    /// Of what the fit for mobile GPUs says that a dielectric and a white metal reflect: the most, where, and the mean.
+    #[test]
+    fn the_fit_without_a_table_is_off_by_what_is_published() {
+        let places: Vec<_> =
+            (0..2500).map(|i| (f64::from(i % 50) / 49.0, f64::from(i / 50) / 49.0)).collect();
+        let errors = |f0: f64| {
+            let error = |&(n_dot_v, roughness): &(f64, f64)| {
+                let [a, b] = split_sum(n_dot_v, roughness, 100);
+                let [c, d] = table::fitted(n_dot_v, roughness);
+                (f0 * (c - a) + d - b, n_dot_v, roughness)
+            };
+            let all: Vec<_> = places.par_iter().map(error).collect();
+            let mean = all.iter().map(|e| e.0.abs()).sum::<f64>() / all.len() as f64;
+            let worst = all.into_iter().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap();
+            println!(
+                "f0 {f0}: at most {:.3} at n·v {:.3}, roughness {:.3}; mean {mean:.4}",
+                worst.0, worst.1, worst.2
+            );
+            (worst, mean)
+        };
+        let ((dielectric, ..), dielectric_mean) = errors(0.04);
+        let ((metal, n_dot_v, roughness), metal_mean) = errors(1.0);
+        assert!((0.07..0.085).contains(&dielectric.abs()) && dielectric_mean < 0.02, "{dielectric}");
+        assert!((0.5..0.55).contains(&metal.abs()) && metal_mean < 0.1, "{metal} {n_dot_v} {roughness}");
+    }
+
     #[test]
     fn the_cubic_is_close_to_the_transmission() {
         for i in 0..=40 {

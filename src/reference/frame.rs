@@ -15,7 +15,7 @@ use super::tonemap::tonemap;
 use super::view::{Ray, View, Window};
 use super::visibility::{Hit, Visibility};
 use crate::environment::TexelFormat;
-use crate::plan::{Format, GBuffer, LightPlace, Tonemap};
+use crate::plan::{Brdf, Format, GBuffer, LightPlace, Tonemap};
 use crate::scene::{Background, Camera, Scene};
 
 /// What is computed.
@@ -39,6 +39,8 @@ pub struct Settings {
     pub shadows: bool,
     /// How light from all around is evaluated.
     pub around: Method,
+    /// How reflection is evaluated; half floats are not modelled.
+    pub brdf: Brdf,
     /// What stores the lightmap; `None` keeps f64.
     pub lightmap: Option<TexelFormat>,
 }
@@ -55,6 +57,7 @@ impl Default for Settings {
             light_scale: 1.0,
             shadows: true,
             around: Method::default(),
+            brdf: Brdf::Exact,
             lightmap: None,
         }
     }
@@ -152,13 +155,14 @@ pub struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    /// Of the settings, those about light from all around and about the lightmap count here, and no more in
+    /// Of the settings, those about light from all around, about the lightmap and about reflection of such light count here, and no more in
     /// [`Self::render`].
     ///
     /// # Panics
     /// If an index within the scene is out of range.
     pub fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let around = Around::new(scene, settings.around).with_lightmap(scene, settings.lightmap);
+        let around = around.with_brdf(settings.brdf);
         Self { scene, visibility: Visibility::new(scene), around }
     }
 
@@ -251,7 +255,7 @@ fn finish(
         hides
     };
     let to_viewer = -view.ray_through_pixel(pixel).direction.normalize();
-    let [diffuse, specular] = reflected_parts(&attributes, to_viewer, scene, hidden);
+    let [diffuse, specular] = reflected_parts(settings.brdf, &attributes, to_viewer, scene, hidden);
     let factor = settings.exposure() * settings.light_scale;
     let linear = match settings.added_light() {
         Some((format, true)) => {

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::brdf::brdf_parts;
 use super::gbuffer::Attributes;
 use super::punctual::{diffuse_irradiance, incident};
+use crate::plan::Brdf;
 use crate::scene::Scene;
 
 /// Reflected light of all the scene's lights in cd/m², before exposure: for each, BRDF * n·l * illuminance (glTF 2.0
@@ -21,12 +22,13 @@ pub fn reflected(
     scene: &Scene,
     hidden: impl Fn(usize, DVec3) -> bool,
 ) -> DVec3 {
-    let [diffuse, specular] = reflected_parts(attributes, to_viewer, scene, hidden);
+    let [diffuse, specular] = reflected_parts(Brdf::Exact, attributes, to_viewer, scene, hidden);
     diffuse * attributes.diffuse() + specular
 }
 
-/// The same as what diffuse albedo multiplies, and the rest.
+/// The same as what diffuse albedo multiplies, and the rest, reflection evaluated in a chosen way.
 pub fn reflected_parts(
+    brdf: Brdf,
     attributes: &Attributes,
     to_viewer: DVec3,
     scene: &Scene,
@@ -48,7 +50,7 @@ pub fn reflected_parts(
             if n_dot_l <= 0.0 || incident.illuminance == DVec3::ZERO || hidden(index, incident.to_light) {
                 return [diffuse, DVec3::ZERO];
             }
-            let (per_albedo, specular) = brdf_parts(attributes, n, to_viewer, incident.to_light);
+            let (per_albedo, specular) = brdf_parts(brdf, attributes, n, to_viewer, incident.to_light);
             let irradiance = incident.illuminance * n_dot_l;
             [diffuse + irradiance * per_albedo, specular * irradiance]
         })

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::common::render::{Gpu, on_device};
 use super::common::scenes;
 use ontile::gpu::{Explained, ExplainedKind, Explanation, RendererConfig};
-use ontile::plan::{LightWay, Options, Path, Plan, Strategy};
+use ontile::plan::{Brdf, LightWay, Options, Path, Plan, Strategy};
 use ontile::scene::Scene;
 
 /// How many there are of each name.
@@ -66,7 +66,8 @@ fn differences(
 /// What is wrong with the explanation of a scene, or with what is created for it.
 pub fn problems(gpu: &Gpu<'_>, scene: &Scene, options: Options) -> Vec<String> {
     const SLOTS: usize = 2;
-    let what = format!("{} {} {} {}", scene.name, options.path, options.lights, options.strategy);
+    let what =
+        format!("{} {} {} {} {}", scene.name, options.path, options.lights, options.strategy, options.brdf);
     let plan = gpu.plan(scene, options);
     let explained = Explanation::new(scene, &plan).unwrap().objects;
     let unexplained = |object: &&Explained| {
@@ -99,6 +100,8 @@ fn what_is_created_is_what_is_explained() {
                 Options { path: Path::Forward, depth_prepass: true, ..small() },
                 Options { path: Path::ForwardMultipass, ..small() },
                 Options { lights: LightWay::Stencil, ..small() },
+                Options { brdf: Brdf::Fitted, ..small() },
+                Options { brdf: Brdf::Fitted, path: Path::Forward, ..small() },
             ] {
                 all.extend(problems(gpu, &scene, options));
             }

@@ -15,7 +15,7 @@ use crate::gpu::{Ask, Gpu};
 use crate::scenes;
 
 /// A sky with a low sun over a reddish ground, nowhere the same.
-fn sky() -> Panorama {
+pub fn sky() -> Panorama {
     const WIDTH: u32 = 128;
     let texel = |i: u32| {
         let (x, y) = (f64::from(i % WIDTH) + 0.5, f64::from(i / WIDTH) + 0.5);
@@ -27,7 +27,7 @@ fn sky() -> Panorama {
     Panorama::new(WIDTH, WIDTH / 2, (0..WIDTH * WIDTH / 2).map(texel).collect()).expect("a panorama")
 }
 
-fn under_sky(scene: Scene, panorama: &Panorama, format: TexelFormat) -> Scene {
+pub fn under_sky(scene: Scene, panorama: &Panorama, format: TexelFormat) -> Scene {
     let environment = Environment {
         prefiltered: Some(Arc::new(Prefiltered::new(panorama, 64, format))),
         rotation_deg: 70.0,

@@ -6,7 +6,7 @@ use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererC
 use ontile::measure::stored;
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{
-    DepthStore, Gamma, Layout, LightFormat, Needs, Normals, Options, OutputFormat, Path, Plan, Tonemap,
+    Brdf, DepthStore, Gamma, Layout, LightFormat, Needs, Normals, Options, OutputFormat, Path, Plan, Tonemap,
 };
 use ontile::reference::around::Method;
 use ontile::reference::{Settings, Stored};
@@ -36,6 +36,7 @@ pub struct Ask {
     pub gamma: Option<Gamma>,
     pub light_target: Option<LightFormat>,
     pub depth: Option<DepthStore>,
+    pub brdf: Brdf,
     pub path: Path,
     pub tonemap: Tonemap,
     pub exposure_ev: f32,
@@ -51,6 +52,7 @@ impl Ask {
         gamma: None,
         light_target: None,
         depth: None,
+        brdf: Brdf::Exact,
         path: Path::Deferred,
         tonemap: Tonemap::Linear,
         exposure_ev: 0.0,
@@ -66,6 +68,7 @@ impl Ask {
             gamma: self.gamma,
             light_target: self.light_target,
             depth: self.depth,
+            brdf: self.brdf,
             path: self.path,
             tonemap: self.tonemap,
             output: self.output,
@@ -138,6 +141,7 @@ impl Gpu {
             light_target,
             light_scale: f64::from(plan.light_scale()),
             around: Method::Prefiltered(plan.options.environment_format),
+            brdf: ask.brdf,
             lightmap: Some(plan.options.lightmap_format),
             ..Settings::default()
         };

@@ -5,6 +5,7 @@
 mod common;
 
 mod around;
+mod brdf;
 mod error;
 mod exact;
 mod files;

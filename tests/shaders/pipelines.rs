@@ -6,7 +6,8 @@ use std::time::Instant;
 use ontile::gpu::PipelineParts;
 use ontile::gpu::shader::{Module, Specialization, prune, shared};
 use ontile::plan::{
-    DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Needs, Normals, Options, Path, Plan, Strategy,
+    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Needs, Normals, Options, Path, Plan,
+    Strategy,
 };
 
 use rspirv::spirv::Capability;
@@ -33,6 +34,9 @@ fn plans() -> Vec<(String, Plan)> {
     options.extend(Gamma::ALL.iter().map(|&g| Options { layout, gamma: Some(g), ..default() }));
     options.extend(DepthStore::ALL.iter().map(|&d| Options { layout, depth: Some(d), ..default() }));
     options.extend(LightFormat::ALL.iter().map(|&l| Options { layout, light_target: Some(l), ..default() }));
+    let brdf = [Brdf::Fitted, Brdf::Mediump].into_iter();
+    options.extend(brdf.clone().map(|brdf| Options { brdf, ..default() }));
+    options.extend(brdf.map(|brdf| Options { brdf, path: Path::Forward, ..default() }));
     let mut plans = Vec::new();
     for scene in scenes::built() {
         let needs = Needs::of(&scene);

@@ -76,6 +76,7 @@ impl Elements<'_> {
             "LIGHTMAP" => format!("{element} has a part of the lightmap"),
             "LIGHTMAP_UNIT" => "the lightmap's unit".into(),
             "LIGHTMAP_RGBM" => format!("the option lightmap format is {}", options.lightmap_format),
+            "BRDF" => format!("the option brdf is {}", options.brdf),
             "TONEMAP" => format!("the option tonemap is {}", options.tonemap),
             "DITHER" => "the option dither".into(),
             "BACKGROUND" | "BACKGROUND_RED" | "BACKGROUND_GREEN" | "BACKGROUND_BLUE" => {

@@ -8,7 +8,7 @@ use super::super::shared::LightPush;
 use super::super::{Device, Owned};
 use super::modules::lighting_constants;
 use crate::Result;
-use crate::plan::{Around, Pipeline, Plan};
+use crate::plan::{Around, Brdf, Pipeline, Plan};
 
 /// Pipelines that take the same descriptor sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -89,6 +89,7 @@ impl Family {
             }
             Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting => lighting.collect(),
         };
+        let has_table = plan.options.brdf != Brdf::Fitted;
         let around: &[u32] = match pipeline {
             Pipeline::Surface(kind) => match kind.around {
                 Around::Nothing => &[],
@@ -103,6 +104,7 @@ impl Family {
             Pipeline::Surface(kind) if kind.has_lightmap() => &[LIGHTMAPS, LIGHTMAP],
             _ => &[],
         };
+        let around = around.iter().filter(|&&binding| has_table || binding != SPLIT_SUM);
         let of_surfaces: &[u32] = if pipeline.is_of_surfaces() { &[INSTANCES] } else { &[] };
         let frame = [FRAME].iter().chain(of_surfaces).chain(&of_lights).chain(around).chain(lightmap);
         let second = match pipeline {

@@ -40,7 +40,9 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
     };
     let lighting = lighting_constants(plan, pipeline).specialization();
     let output = output_constants(plan, pipeline).specialization();
-    (vertex, fragment, lighting.and(output).and(gbuffer_constants(plan).specialization()).and(own))
+    let gbuffer = gbuffer_constants(plan).specialization();
+    let brdf = Specialization::brdf(plan.options.brdf);
+    (vertex, fragment, lighting.and(output).and(gbuffer).and(brdf).and(own))
 }
 
 fn gbuffer_constants(plan: &Plan) -> GBufferConstants {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{KIND_COUNT, shared};
-use crate::plan::{Around, DepthStore, Form, GBuffer, Gamma, Normals, ShadowFilter, Tonemap};
+use crate::plan::{Around, Brdf, DepthStore, Form, GBuffer, Gamma, Normals, ShadowFilter, Tonemap};
 use crate::scene::Fog;
 
 /// Values for specialisation constants: `data[i]` is that of constant `ids[i]`.
@@ -29,6 +29,16 @@ impl Specialization {
     /// The constant of [`super::Module::LightVolume`]: one of the numbers `VOLUME_*` of `glsl/shared.h`.
     pub fn volume(shape: u32) -> Self {
         Self::from_pairs(&[(const { shared("ID_VOLUME_SHAPE") }, shape)])
+    }
+
+    /// The constant of all modules that evaluate reflection.
+    pub fn brdf(brdf: Brdf) -> Self {
+        let value = match brdf {
+            Brdf::Exact => const { shared("BRDF_EXACT") },
+            Brdf::Fitted => const { shared("BRDF_FITTED") },
+            Brdf::Mediump => const { shared("BRDF_MEDIUMP") },
+        };
+        Self::from_pairs(&[(const { shared("ID_BRDF") }, value)])
     }
 
     fn from_pairs(pairs: &[(u32, u32)]) -> Self {

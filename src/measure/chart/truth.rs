@@ -6,7 +6,7 @@ use super::data::{Errors, Truth};
 use crate::gpu::{Device, Offscreen, PipelineCache, RendererConfig, View};
 use crate::measure::{compare, stored};
 use crate::picture::{Picture, Pixels};
-use crate::plan::{Choice, Layout, Needs, Options, OutputFormat, Plan, Tonemap};
+use crate::plan::{Brdf, Choice, Layout, Needs, Options, OutputFormat, Plan, Tonemap};
 use crate::reference::around::Method;
 use crate::reference::{Frame, Settings, Stored, render, shade_gbuffer};
 use crate::scene::{Camera, Scene};
@@ -82,6 +82,7 @@ impl Stage<'_> {
             light_target: plan.has_light_target(),
             light_scale: f64::from(plan.light_scale()),
             shadows: false,
+            brdf: Brdf::Exact,
             around: Method::Prefiltered(plan.options.environment_format),
             lightmap: Some(plan.options.lightmap_format),
         }
