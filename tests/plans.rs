@@ -4,7 +4,14 @@ mod common;
 
 use common::expected::Expected;
 use common::{environments, scenes};
+<<<<<<< HEAD
+use ontile::plan::{
+    DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Needs, Normals, Options, OutputFormat, Path,
+    Plan, Strategy,
+};
+=======
 use ontile::plan::{Brdf, Layout, LightWay, Limits, Needs, Options, OutputFormat, Path, Plan, Strategy};
+>>>>>>> main
 use ontile::scene::Scene;
 
 fn plan(scene: &Scene, options: Options) -> Plan {
@@ -271,4 +278,32 @@ fn dither_needs_an_output_that_is_rounded() {
             }
         }
     }
+}
+
+#[test]
+fn choices_without_effect_are_refused_and_costly_ones_warned_of() {
+    let plan =
+        |scene: ontile::scene::Scene, options| Plan::new(Needs::of(&scene), options, &Limits::default());
+    let layout = |layout| Options { layout, ..Options::default() };
+    let refused = [
+        ("--normals", Options { normals: Some(Normals::Oct8), ..layout(Layout::Packed128) }),
+        ("--gamma", Options { gamma: Some(Gamma::Power20), ..layout(Layout::Dissertation192) }),
+        ("--light-target", Options { light_target: Some(LightFormat::Rgba16f), ..layout(Layout::Ontile64) }),
+        ("--depth", Options { depth: Some(DepthStore::D16), ..layout(Layout::Thibieroz128) }),
+        ("--no-fold", Options { fold: false, ..layout(Layout::Packed128) }),
+        ("emissive", layout(Layout::Ontile64)),
+    ];
+    for (what, options) in refused {
+        let layout = options.layout;
+        let error = plan(scenes::every_feature(), options).unwrap_err().to_string();
+        assert!(error.contains(what) && error.contains(layout.name()), "{what}: {error}");
+    }
+    let few = Limits { max_input_attachments: 2, ..Limits::default() };
+    let error = Plan::new(Needs::of(&scenes::lights_only()), layout(Layout::Thibieroz96), &few).unwrap_err();
+    assert!(error.to_string().contains("input attachments"), "{error}");
+
+    let coarse = |lights| Options { lights, light_target: Some(LightFormat::Rgb10a2), ..Options::default() };
+    let warnings = |lights| plan(scenes::every_feature(), coarse(lights)).unwrap().warnings;
+    assert!(warnings(LightWay::Volumes).iter().any(|w| w.contains("--light-target")));
+    assert!(warnings(LightWay::Clusters).iter().all(|w| !w.contains("--light-target")));
 }

@@ -342,6 +342,9 @@ impl Plan {
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
         notes.extend(shadows_told.notes);
+        let warnings =
+            shadows_told.warnings.into_iter().chain(notes::warning(&needs, &options, path, light_way));
+        let warnings = warnings.collect();
         Ok(Self {
             options,
             needs,
@@ -356,7 +359,7 @@ impl Plan {
             clusters,
             shadow_map,
             notes,
-            warnings: shadows_told.warnings,
+            warnings,
         })
     }
 

@@ -1,7 +1,11 @@
 //! Decisions that a reader may wonder about.
 
 use super::layout::{GBuffer, LightTarget, Tells};
+<<<<<<< HEAD
+use super::{Attachment, Format, LightFormat, LightWay, Needs, Options, Path, path};
+=======
 use super::{Attachment, Brdf, Format, Needs, Options, Path, path};
+>>>>>>> main
 
 /// What a plan tells besides what it consists of.
 pub(super) fn of(
@@ -61,4 +65,16 @@ pub(super) fn of(
         }
     }
     notes
+}
+
+/// What a chosen light target costs where lights are added to it one by one: each sum is rounded, so that what a dim light adds may
+/// be lost (half floats keep 93 % of 1024 such lights, these formats nearly nothing: `ontile stability`).
+pub(super) fn warning(needs: &Needs, options: &Options, path: Path, way: LightWay) -> Option<String> {
+    let one_by_one = path == Path::ForwardMultipass || (path == Path::Deferred && way.is_one_by_one());
+    let coarse = matches!(options.light_target, Some(LightFormat::Rgb10a2 | LightFormat::B10g11r11));
+    (one_by_one && coarse && needs.local_lights() > 1).then(|| {
+        "the chosen light target is rounded after each light, and dim ones among many are lost: leave --light-target out for half \
+         floats, or use --lights clusters"
+            .into()
+    })
 }
