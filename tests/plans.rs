@@ -4,14 +4,10 @@ mod common;
 
 use common::expected::Expected;
 use common::{environments, scenes};
-<<<<<<< HEAD
 use ontile::plan::{
-    DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Needs, Normals, Options, OutputFormat, Path,
-    Plan, Strategy,
+    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Needs, Normals, Options, OutputFormat,
+    Path, Plan, Strategy,
 };
-=======
-use ontile::plan::{Brdf, Layout, LightWay, Limits, Needs, Options, OutputFormat, Path, Plan, Strategy};
->>>>>>> main
 use ontile::scene::Scene;
 
 fn plan(scene: &Scene, options: Options) -> Plan {

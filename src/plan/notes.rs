@@ -1,11 +1,7 @@
 //! Decisions that a reader may wonder about.
 
 use super::layout::{GBuffer, LightTarget, Tells};
-<<<<<<< HEAD
-use super::{Attachment, Format, LightFormat, LightWay, Needs, Options, Path, path};
-=======
-use super::{Attachment, Brdf, Format, Needs, Options, Path, path};
->>>>>>> main
+use super::{Attachment, Brdf, Format, LightFormat, LightWay, Needs, Options, Path, path};
 
 /// What a plan tells besides what it consists of.
 pub(super) fn of(
