@@ -3,7 +3,7 @@
 //! The albedo of glTF's specular lobe is linear in the reflectance at normal incidence, f0 a + b (Karis, "Real Shading in
 //! Unreal Engine 4", 2013, "Environment BRDF"), with a and b functions of n·v and roughness alone. They are kept as a
 //! table. Karis' later fit for mobile GPUs ([`fitted`]) is for another visibility term:
-//! against glTF's height-correlated one it is off by up to 0.08 for dielectrics and 0.53 for white metal, both at grazing
+//! against glTF's height-correlated one it is off by up to 0.10 for dielectrics and 0.55 for white metal, both at grazing
 //! angles. The table is off by at most 0.007, by 0.0002 in the mean (`reference::environment` measures it), and costs one
 //! look-up in 16 KiB. No rational function of up to 19 coefficients came below 0.03.
 

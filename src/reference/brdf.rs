@@ -170,7 +170,7 @@ mod tests {
         }
         println!("V fitted / V exact: at least {least:.4}, at alpha, n·v, n·l = {place:?}");
         let [alpha, n_dot_v, n_dot_l] = place;
-        assert!((0.707..0.71).contains(&least), "{least}");
+        assert!((0.707..0.712).contains(&least), "{least}");
         assert!(alpha <= 0.01 && n_dot_v <= 0.01 && n_dot_l <= 0.01, "{place:?}");
         // Exact at either end of alpha.
         for (a, b) in [(0.01, 0.7), (0.5, 0.5), (1.0, 0.02)] {
