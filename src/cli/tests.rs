@@ -165,7 +165,7 @@ fn usage_errors_say_what_is_right() {
         ("s.glb -o o.png --size 0x360", "from 1 to 32768"),
         ("s.glb -o o.png --size 640x40000", "from 1 to 32768"),
         ("s.glb -o o.png --size 640x99999999999", "as in 1280x720"),
-        ("s.glb -o o.png --layout fat", "metallic128, exact"),
+        ("s.glb -o o.png --layout fat", "packed128, exact, auto"),
         ("s.glb -o o.png --tonemap agx", "neutral, aces, reinhard, linear"),
         ("s.glb -o o.png --strategy subpass", "subpasses, separate"),
         ("s.glb -o o.png --exposure NaN", "from -64 to 64"),

@@ -214,8 +214,7 @@ pub fn compare(a: &Picture, b: &Picture, mask: Option<&Picture>) -> Result<Compa
 /// Linear light as a display shows it: from 0 to 1, not a number as black.
 fn display_light(picture: &Picture) -> Vec<DVec3> {
     let Pixels::Rgba32F(channels) = picture.to_linear().pixels else { unreachable!("converted to floats") };
-    // Unlike `clamp`, `max` and `min` take the number where the other is none.
-    let shown = |c: f32| f64::from(c).max(0.0).min(1.0);
+    let shown = |c: f32| if c.is_nan() { 0.0 } else { f64::from(c).clamp(0.0, 1.0) };
     channels.chunks_exact(4).map(|p| DVec3::new(shown(p[0]), shown(p[1]), shown(p[2]))).collect()
 }
 

@@ -96,7 +96,10 @@ fn written_wrong(
     // Half floats may be cut off instead of rounded, and what is cut off may be much more than what rounding to nearest adds.
     let is_half = |t: &Target| matches!(t.format, Format::Rgba16Float | Format::Rg16Float);
     let cut = if gbuffer.surface.iter().any(is_half) { STEP_OF_HALF } else { 0.0 };
-    let wrong = (0..5).find(|&k| !(found[k] <= EITHER_NEIGHBOUR * allowed[k] + INTERPOLATED[k] + cut));
+    let wrong = (0..5).find(|&k| {
+        let most = EITHER_NEIGHBOUR * allowed[k] + INTERPOLATED[k] + cut;
+        found[k].is_nan() || found[k] > most
+    });
     wrong.map(|k| format!("{}: off by {:.2e}, the formats by {:.2e}", kinds[k], found[k], allowed[k]))
 }
 
@@ -149,7 +152,7 @@ fn read_wrong(
     errors.sort_by(|a, b| b.total_cmp(a));
     let error = errors[((1.0 - PROMISED_PART) * errors.len() as f64) as usize];
     let most = tolerance(gbuffer, settings.light_target);
-    (!(error <= most)).then(|| format!("picture off by {error:.2e}, at most {most:.2e}"))
+    (error.is_nan() || error > most).then(|| format!("picture off by {error:.2e}, at most {most:.2e}"))
 }
 
 fn check(gpu: &Gpu, asks: &[(String, Ask)], scenes: &[Scene]) {

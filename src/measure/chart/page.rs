@@ -139,13 +139,13 @@ fn row(page: &mut String, name: &str, s: &Standing) {
     };
     let [flip, flip_exact] = s.worst[Metric::Flip as usize];
     let [psnr, psnr_exact] = s.worst[Metric::Psnr as usize];
+    let time = if s.has_time() { format!("{:.2}", s.ratio) } else { "emulated".into() };
     let _ = writeln!(
         page,
-        "| {name}{partly} | {} | {} | {} | {:.2} | {} | {} | {} | {} | {} | {} |",
+        "| {name}{partly} | {} | {} | {} | {time} | {} | {} | {} | {} | {} | {} |",
         s.bytes_on_tile,
         s.color_bits,
         s.moved_separate,
-        s.ratio,
         decibel(psnr),
         short(flip),
         short(s.error(Metric::Ciede)),

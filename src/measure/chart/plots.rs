@@ -4,7 +4,7 @@ use super::BASE;
 use super::data::{Cell, Place, Report};
 use super::metric::{Cost, Metric, pareto};
 use super::scatter::{Field, Point, Scatter};
-use crate::plan::Layout;
+use crate::plan::{Brdf, Layout};
 
 /// File names without extension, and what they show.
 pub(super) fn plots(report: &Report) -> Vec<(String, Scatter)> {
@@ -29,6 +29,9 @@ pub(super) fn is_charted(cell: &Cell) -> bool {
 
 fn scatter(place: &Place, cells: &[&Cell], cost: Cost) -> Option<Scatter> {
     let shown: Vec<&Cell> = cells.iter().copied().filter(|cell| is_charted(cell)).collect();
+    // What is emulated takes longer than what it stands for.
+    let is_timed = |cell: &&Cell| cell.choice.brdf != Brdf::Mediump;
+    let shown: Vec<_> = shown.into_iter().filter(|cell| cost == Cost::Bytes || is_timed(cell)).collect();
     if shown.is_empty() {
         return None;
     }

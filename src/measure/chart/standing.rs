@@ -2,7 +2,7 @@
 
 use super::data::{Cell, Measured, Outcome, Report};
 use super::metric::Metric;
-use crate::plan::{Choice, Layout};
+use crate::plan::{Brdf, Choice, Layout};
 
 /// One G-buffer over all places.
 pub(super) struct Standing {
@@ -31,6 +31,11 @@ impl Standing {
     /// For people who compare: no ruler, and drawn everywhere.
     pub fn is_eligible(&self) -> bool {
         self.choice.layout != Layout::Exact && self.refused == 0 && self.is_complete
+    }
+
+    /// Whether its time is its own: half floats are emulated ([`Brdf::Mediump`]), which takes longer than what it stands for.
+    pub fn has_time(&self) -> bool {
+        self.choice.brdf != Brdf::Mediump
     }
 }
 
@@ -96,7 +101,8 @@ pub(super) fn winners(standings: &[Standing]) -> Vec<Winner<'_>> {
             .min_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         best.and_then(|(_, choice)| standings.iter().find(|s| s.choice == choice))
     };
-    let fastest = eligible().map(|s| s.ratio).fold(f64::INFINITY, f64::min);
+    let timed = || eligible().filter(|s| s.has_time());
+    let fastest = timed().map(|s| s.ratio).fold(f64::INFINITY, f64::min);
     let bytes = |s: &Standing| f64::from(s.bytes_on_tile);
     let mut all = vec![
         Winner { need: "least error".into(), best: least(&mut eligible(), &|s| [flip(s), bytes(s)]) },
@@ -115,9 +121,7 @@ pub(super) fn winners(standings: &[Standing]) -> Vec<Winner<'_>> {
                 "least time; within {:.0} % counts as level, then the error decides",
                 100.0 * LEVEL
             ),
-            best: least(&mut eligible().filter(|s| s.ratio <= (1.0 + LEVEL) * fastest), &|s| {
-                [flip(s), s.ratio]
-            }),
+            best: least(&mut timed().filter(|s| s.ratio <= (1.0 + LEVEL) * fastest), &|s| [flip(s), s.ratio]),
         },
     ];
     for limit in [0.005, 0.01, 0.02] {
