@@ -186,7 +186,7 @@ pub fn light_around(
     occlusion: f64,
 ) -> DVec3 {
     let n_dot_v = n_dot_v.clamp(MIN_N_DOT_V, 1.0);
-    let f0 = DVec3::splat(DIELECTRIC_F0).lerp(surface.base_color, surface.metallic);
+    let f0 = surface.f0();
     let [a, b] = match brdf {
         Brdf::Exact | Brdf::Mediump => split_sum::look_up(n_dot_v, surface.roughness),
         Brdf::Fitted => split_sum::fitted(n_dot_v, surface.roughness),

@@ -13,6 +13,7 @@ use glam::{DVec2, DVec3, DVec4};
 
 use self::formats::{b10g11r11, e5b9g9r9, float32, half, srgb8, unorm};
 use self::normals::{direction_from_octahedral_codes, octahedral_codes, world_from_view};
+use super::brdf::DIELECTRIC_F0;
 use super::gbuffer::Attributes;
 use super::view::View;
 use crate::plan::{DepthStore, Form, Format, GBuffer, Gamma, LightPlace};
@@ -31,9 +32,6 @@ pub struct Stored {
 /// The highlight of Thibieroz' shading pass: the Blinn-Phong exponent 8 as roughness, alpha² = 2 / (8 + 2) (Walter et al.
 /// 2007, section 5.2).
 const THIBIEROZ_ROUGHNESS: f64 = 0.668_740;
-
-/// Reflectance at normal incidence of the dielectrics that a metallic workflow has (glTF 2.0, B.2.1).
-const DIELECTRIC_F0: f64 = 0.04;
 
 fn each(v: DVec3, f: impl Fn(f64) -> f64) -> DVec3 {
     DVec3::new(f(v.x), f(v.y), f(v.z))

@@ -90,7 +90,8 @@ const MOST_LOST: [(Layout, [f64; 5]); 13] = [
 
 #[test]
 fn every_layout_loses_what_its_formats_say() {
-    assert_eq!(MOST_LOST.map(|(layout, _)| layout).len(), Layout::ALL.len());
+    let bounded = MOST_LOST.map(|(layout, _)| layout);
+    assert!(Layout::ALL.iter().all(|layout| bounded.contains(layout)), "{bounded:?}");
     let (view, pixel) = (view(), [10, 50]);
     let exact = surface(&view, pixel);
     for (layout, most) in MOST_LOST {
