@@ -130,6 +130,8 @@
 #define ID_GBUFFER 64
 #define ID_BRDF 65
 #define ID_LIGHT_ADDED 66
+#define ID_BLEND 80
+#define ID_TRANSLUCENCY 81
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0

@@ -11,6 +11,8 @@
 
 layout(constant_id = ID_LIGHT_ALPHA) const bool LIGHT_ALPHA = true; // else depth tells surfaces from the background
 
+layout(constant_id = ID_TRANSLUCENCY) const bool TRANSLUCENCY = false; // alpha: how much of the background is covered
+
 layout(set = SET_INPUTS, binding = INPUT_LIGHT, input_attachment_index = INPUT_LIGHT)
     uniform subpassInput input_light;
 layout(set = SET_INPUTS, binding = INPUT_SPECULAR_LIGHT, input_attachment_index = INPUT_SPECULAR_LIGHT)
@@ -28,6 +30,12 @@ void main() {
     vec3 exposed_light = light.rgb / frame.light_scale;
     if (FOG && !is_background) {
         exposed_light = fogged(exposed_light, gbuffer_read().position_world);
+    }
+    if (BACKGROUND && TRANSLUCENCY) {
+        // What is blended covers the background, a colour of the display, as a picture lies on a page.
+        vec4 over = output_color(exposed_light);
+        target_output = vec4(over.rgb + background_color().rgb * (1.0 - light.a), 1.0);
+        return;
     }
     target_output = BACKGROUND && is_background ? background_color() : output_color(exposed_light);
 }

@@ -106,6 +106,12 @@ pub(super) fn check_light(
         };
     };
     let has_alpha = gbuffer.added_light(way.is_one_by_one()).is_none_or(|(light, _)| light.has_alpha());
+    if let (false, Some(blended), true) = (has_alpha, &needs.blended, needs.background.is_some()) {
+        let problem = format!(
+            "light in b10g11r11 has no room for how much {blended} covers of the background's colour"
+        );
+        return refused(problem, "use --light-target rgba16f");
+    }
     if !has_alpha && !gbuffer.form.has_depth() && (needs.fog.is_some() || needs.background.is_some()) {
         let problem = format!(
             "layout {layout} with light in b10g11r11 cannot tell surfaces from the background, which fog and background colour need"

@@ -303,6 +303,7 @@ impl Plan {
                 "lighting by what shines everywhere".into()
             }
             P::Lighting => "lighting".into(),
+            P::Fog => "fog".into(),
             P::Sky if self.has_gbuffer() => "sky".into(),
             P::Sky => format!("sky, {} curve", self.options.tonemap),
             P::LightMask(shape) => format!("light mask, {shape}"),

@@ -35,7 +35,7 @@ impl Elements<'_> {
         let found = self.plan.pipelines.get(pipeline);
         if set != SET_FRAME {
             return match found {
-                Some((stage, Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap)) => {
+                Some((stage, Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap | Pipeline::Fog)) => {
                     self.input(*stage, binding)
                 }
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),

@@ -17,14 +17,15 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             (Module::GeometryVertex, kind.alpha_mask.then_some(Module::Mask), surface(kind))
         }
         Pipeline::Surface(kind) => {
-            let fragment = if plan.has_gbuffer() {
+            let fragment = if plan.lights_as_drawn(kind) {
+                // Without a light target what is unlit needs no more than its material.
+                if kind.unlit && plan.folded { Module::Unlit } else { Module::Forward }
+            } else if plan.has_gbuffer() {
                 Module::GeometryFragment
-            } else if plan.has_light_target() {
-                Module::Base
-            } else if kind.unlit {
+            } else if kind.unlit && plan.needs.lit_opaque.is_none() {
                 Module::Unlit
             } else {
-                Module::Forward
+                Module::Base
             };
             (Module::GeometryVertex, Some(fragment), surface(kind))
         }
@@ -37,6 +38,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
         Pipeline::LightVolume(shape) => (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape)),
         Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), Specialization::default()),
+        Pipeline::Fog => (Module::Fullscreen, Some(Module::Fog), Specialization::default()),
     };
     let lighting = lighting_constants(plan, pipeline).specialization();
     let output = output_constants(plan, pipeline).specialization();
@@ -87,10 +89,11 @@ fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
     // Fog comes before light that is complete.
     let applies_fog = match pipeline {
         Pipeline::Lighting | Pipeline::LightVolume(_) => plan.folded,
-        Pipeline::Tonemap => plan.has_gbuffer(),
+        Pipeline::Tonemap => plan.has_gbuffer() && plan.needs.blended.is_none(),
         _ => true,
     };
     OutputConstants {
+        translucency: plan.needs.blended.is_some(),
         tonemap: plan.options.tonemap,
         dither: plan.options.dither,
         background: plan.needs.background,
@@ -121,6 +124,7 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
         double_sided: kind.double_sided,
         unlit: kind.unlit,
         vertex_color: kind.vertex_color,
+        blend: kind.blend,
         emissive: kind.emissive,
         around: kind.around,
         rgbm: is_rgbm(plan),
