@@ -13,11 +13,10 @@
 #include "tonemap.glsl"
 
 layout(constant_id = ID_LIGHT_TARGET) const bool LIGHT_TARGET = false;
-layout(constant_id = ID_GBUFFER) const bool GBUFFER = false;
 layout(constant_id = ID_FORM) const uint FORM = FORM_METALLIC;
 layout(constant_id = ID_BLEND) const bool BLEND = false;
 
-const bool SPLIT_LIGHT = GBUFFER && FORM == FORM_RASA128;
+const bool SPLIT_LIGHT = FORM == FORM_RASA128;
 #include "gbuffer/light_target.glsl"
 
 layout(location = TARGET_OUTPUT) out vec4 target_output;

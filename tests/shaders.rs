@@ -286,7 +286,13 @@ fn wrong_interfaces_are_reported() {
 
 /// A value for every constant that the typed builders know.
 fn every_constant() -> Specialization {
-    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false, background: None, fog: None };
+    let output = OutputConstants {
+        tonemap: Tonemap::Neutral,
+        dither: false,
+        background: None,
+        fog: None,
+        translucency: false,
+    };
     let surface = GeometryConstants::default().specialization();
     surface
         .and(LightingConstants::default().specialization())

@@ -184,7 +184,8 @@ impl Objects {
         std::iter::from_fn(move || {
             let &(key, batch) = rest.first()?;
             let first = sorted_index(key);
-            let follows = |(i, next): (usize, &(u64, usize))| (sorted_index(next.0), next.1) == (first + i, batch);
+            let follows =
+                |(i, next): (usize, &(u64, usize))| (sorted_index(next.0), next.1) == (first + i, batch);
             let run = rest.iter().enumerate().take_while(|&next| follows(next)).count();
             rest = &rest[run..];
             Some((&self.batches[batch], first as u32..(first + run) as u32))

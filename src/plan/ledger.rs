@@ -287,7 +287,8 @@ impl Plan {
                     1 => format!(" ({})", n.why),
                     instances => format!(" ({instances} instances, first {})", n.why),
                 });
-                format!("surface {kind}{}", why.unwrap_or_default())
+                let what = if kind.blend { "blended surface" } else { "surface" };
+                format!("{what} {kind}{}", why.unwrap_or_default())
             }
             P::Depth(kind) => {
                 let flags = [

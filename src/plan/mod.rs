@@ -36,7 +36,7 @@ mod targets;
 mod tests;
 
 pub(crate) use check::check_size;
-use check::{check_counts, check_dither, check_light, check_shadows};
+use check::{check_blended, check_counts, check_dither, check_light, check_shadows};
 
 pub use access::{Access, Scope, State};
 pub use around::{Around, AroundImage, EnvironmentNeed};
@@ -153,6 +153,7 @@ impl Plan {
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
         let gbuffer = GBuffer::new(&options)?;
         let gbuffer = if needs.blended.is_some() { gbuffer.for_blending() } else { gbuffer };
+        check_blended(&gbuffer, &needs)?;
         if path == Path::Deferred && needs.lit_opaque.is_some() {
             check_light(&gbuffer, &needs, &options, light_way, limits)?;
         }
@@ -199,7 +200,8 @@ impl Plan {
 
     /// Whether surfaces of this kind are lit as they are drawn, by all lights at once.
     pub fn lights_as_drawn(&self, kind: &SurfaceKind) -> bool {
-        kind.blend || !(self.has_gbuffer() || self.path == Path::ForwardMultipass)
+        let one_by_one = self.path == Path::ForwardMultipass && self.needs.lit_opaque.is_some();
+        kind.blend || !(self.has_gbuffer() || one_by_one)
     }
 
     /// How the radiance of environment and probes is stored, and the edge of the largest level in texels.

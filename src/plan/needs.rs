@@ -161,7 +161,6 @@ impl std::fmt::Display for SurfaceKind {
             (self.has_lightmap(), "lightmap"),
             (self.lightmap == LightmapUse::Elsewhere, "vertices of lightmapped instances"),
             (self.around == Around::Probes, "probes"),
-            (self.blend, "blended"),
         ];
         flags.iter().filter(|(on, _)| *on).try_for_each(|(_, name)| write!(f, " +{name}"))
     }

@@ -21,9 +21,7 @@ pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Resu
     let no_lights = needs.listed_lights() == 0;
     let only_blended = needs.lit.is_some() && needs.lit_opaque.is_none();
     let (path, why) = match options.path {
-        _ if only_blended => {
-            (Path::Forward, Some("path: forward, since all that is lit is blended".into()))
-        }
+        _ if only_blended => (Path::Forward, Some("path: forward, since all that is lit is blended".into())),
         Path::Auto if options.keep_gbuffer => {
             (Path::Deferred, Some("path: deferred, since its G-buffer is to be kept".into()))
         }

@@ -305,7 +305,14 @@ fn finish(
         }
         _ => tonemap(settings.tonemap, linear),
     };
-    Pixel { covered: covered || over_it > 0.0, linear, display, attributes, shadowed: shadowed.get(), ..Pixel::default() }
+    Pixel {
+        covered: covered || over_it > 0.0,
+        linear,
+        display,
+        attributes,
+        shadowed: shadowed.get(),
+        ..Pixel::default()
+    }
 }
 
 /// Hits on a regular grid, one pixel apart.

@@ -73,15 +73,27 @@ fn with_panes(name: &str, mut scene: Scene) -> Scene {
     add(&mut scene, pane(), red, &[placed(-0.7, 0.7, 0.8, 0.2, 0.4), placed(-0.3, 0.8, 1.3, -0.1, 0.3)]);
     let green = Material { double_sided: true, ..tinted("green", Vec3::new(0.1, 0.7, 0.2), 0.35) };
     add(&mut scene, pane(), green, &[placed(0.3, 0.6, 1.0, PI - 0.3, 0.4)]);
-    let glow = Material { emissive_factor: Vec3::new(0.1, 0.3, 0.9), ..tinted("glow", Vec3::splat(0.2), 0.6) };
+    let glow =
+        Material { emissive_factor: Vec3::new(0.1, 0.3, 0.9), ..tinted("glow", Vec3::splat(0.2), 0.6) };
     add(&mut scene, pane(), glow, &[placed(1.05, 0.9, 1.0, 0.0, 0.25)]);
     let plain = Material { unlit: true, ..tinted("plain", Vec3::new(0.8, 0.7, 0.2), 0.4) };
     add(&mut scene, pane(), plain, &[placed(0.0, 0.4, 1.6, 0.0, 0.25)]);
-    let thin = pane().positions.iter().map(|p| Vec4::new(1.0, 0.9, 0.8, 0.5 + 0.3 * p.x + 0.2 * p.y));
-    let thinned = Mesh { colors: thin.collect(), ..pane() };
-    add(&mut scene, thinned, tinted("thinned", Vec3::new(0.4, 0.5, 0.9), 1.0), &[placed(-1.1, 0.5, 1.2, 0.4, 0.3)]);
+    let mut thinned = pane();
+    let thin = |p: &Vec3| Vec4::new(1.0, 0.9, 0.8, 0.5 + 0.25 * (p.x + p.y));
+    thinned.colors = thinned.positions.iter().map(thin).collect();
+    add(
+        &mut scene,
+        thinned,
+        tinted("thinned", Vec3::new(0.4, 0.5, 0.9), 1.0),
+        &[placed(-1.1, 0.5, 1.2, 0.4, 0.3)],
+    );
     add(&mut scene, pane(), tinted("clear", Vec3::ONE, 0.0), &[placed(0.4, 1.1, 0.9, 0.0, 0.2)]);
-    add(&mut scene, pane(), tinted("solid", Vec3::new(0.6, 0.6, 0.5), 1.0), &[placed(-0.2, 1.25, 0.2, 0.0, 0.15)]);
+    add(
+        &mut scene,
+        pane(),
+        tinted("solid", Vec3::new(0.6, 0.6, 0.5), 1.0),
+        &[placed(-0.2, 1.25, 0.2, 0.0, 0.15)],
+    );
     let ball = tinted("ball", Vec3::new(0.7, 0.8, 0.9), 0.3);
     add(&mut scene, sphere(), ball, &[placed(0.1, 0.3, 0.5, 0.0, 0.25), placed(1.4, 0.3, 1.0, 0.0, -0.2)]);
     scene

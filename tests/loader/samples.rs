@@ -145,7 +145,9 @@ fn materials_of_samples() {
     let Some(scene) = sample("AlphaBlendModeTest") else { return };
     let masks: Vec<_> = scene.materials.iter().map(|m| m.alpha_mode).collect();
     assert!(
-        [AlphaMode::Mask { cutoff: 0.25 }, AlphaMode::Opaque, AlphaMode::Blend].iter().all(|m| masks.contains(m)),
+        [AlphaMode::Mask { cutoff: 0.25 }, AlphaMode::Opaque, AlphaMode::Blend]
+            .iter()
+            .all(|m| masks.contains(m)),
         "{masks:?}"
     );
     let Some(scene) = sample("TextureSettingsTest") else { return };

@@ -14,7 +14,8 @@ const PATHS: [Path; 3] = [Path::Deferred, Path::Forward, Path::ForwardMultipass]
 
 /// [`glass`] in fog, with ambient light.
 fn misty() -> Scene {
-    let fog = Some(ontile::scene::Fog { color_nt: Vec3::new(0.3, 0.35, 0.4), density_per_m: 0.15, height: None });
+    let fog =
+        Some(ontile::scene::Fog { color_nt: Vec3::new(0.3, 0.35, 0.4), density_per_m: 0.15, height: None });
     Scene { name: "misty".into(), fog, ambient_nt: Vec3::new(0.1, 0.12, 0.15), ..glass() }
 }
 
@@ -33,7 +34,9 @@ fn blended_light_is_the_references() {
     let mut failed = Vec::new();
     for scene in [glass(), misty(), on_paper(), glass_alone()] {
         let camera = &scene.cameras[0];
-        for (path, tonemap) in PATHS.into_iter().flat_map(|p| [Tonemap::Linear, Tonemap::Aces].map(|t| (p, t))) {
+        for (path, tonemap) in
+            PATHS.into_iter().flat_map(|p| [Tonemap::Linear, Tonemap::Aces].map(|t| (p, t)))
+        {
             let rendered = gpu.render(&scene, camera, Ask { path, tonemap, ..Ask::EXACT });
             let expected = render(&scene, camera, &rendered.settings);
             let errors = Errors::of_display(&expected, &rendered.light());

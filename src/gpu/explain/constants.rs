@@ -47,7 +47,9 @@ impl Elements<'_> {
             "VERTEX_COLOR" => format!("the mesh of {element} has vertex colours"),
             "EMISSIVE" => is("emissive"),
             "BLEND" => is("blended over what is behind it"),
-            "TRANSLUCENCY" => self.plan.needs.blended.iter().map(|b| format!("{b} covers the background in part")).collect(),
+            "TRANSLUCENCY" => {
+                self.plan.needs.blended.iter().map(|b| format!("{b} covers the background in part")).collect()
+            }
             "HAS_DIRECTIONAL" => by(|kind| matches!(kind, LightKind::Directional { .. })),
             "HAS_POINT" => by(|kind| matches!(kind, LightKind::Point { .. })),
             "HAS_SPOT" => by(|kind| matches!(kind, LightKind::Spot { .. })),

@@ -5,7 +5,7 @@ use super::super::shader::{
     OutputConstants, SkyConstants, Specialization, TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{Pipeline, Plan, SurfaceKind, VolumeShape};
+use crate::plan::{Form, Pipeline, Plan, SurfaceKind, VolumeShape};
 use crate::visible::ShadowShape;
 
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
@@ -22,8 +22,6 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
                 if kind.unlit && plan.folded { Module::Unlit } else { Module::Forward }
             } else if plan.has_gbuffer() {
                 Module::GeometryFragment
-            } else if kind.unlit && plan.needs.lit_opaque.is_none() {
-                Module::Unlit
             } else {
                 Module::Base
             };
@@ -48,13 +46,16 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
 }
 
 fn gbuffer_constants(plan: &Plan) -> GBufferConstants {
+    let new = GBufferConstants::new(&plan.gbuffer);
     GBufferConstants {
         exists: plan.has_gbuffer(),
+        // Where there is none, light is summed in one target.
+        form: if plan.has_gbuffer() { new.form } else { Form::Metallic },
         light_target: plan.has_light_target(),
         light_alpha: plan.light_target().is_none_or(|light| light.has_alpha()),
         light_read: plan.light_is_read(),
         light_added: plan.light_is_read() && !plan.folded,
-        ..GBufferConstants::new(&plan.gbuffer)
+        ..new
     }
 }
 

@@ -140,9 +140,9 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
         ),
     };
     // Albedo is for the last stage.
-    let albedo = |r: &usize| gbuffer.surface.iter().any(|t| {
-        t.tells == Tells::Albedo && t.name == frame.resources[*r].name
-    });
+    let albedo = |r: &usize| {
+        gbuffer.surface.iter().any(|t| t.tells == Tells::Albedo && t.name == frame.resources[*r].name)
+    };
     let (of_tonemap, of_fog): (Vec<usize>, Vec<usize>) =
         positions.iter().copied().partition(|r| asked.fogs_last() || !has_fog || albedo(r));
     let tonemap = (!folded).then(|| Stage {
