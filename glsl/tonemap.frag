@@ -23,7 +23,10 @@ layout(location = TARGET_OUTPUT) out vec4 target_output;
 void main() {
     vec4 light = LIGHT_READ ? gbuffer_read_light(FOG || BACKGROUND) : subpassLoad(input_light);
     if (SPLIT_LIGHT) {
-        light = vec4(light.rgb * gbuffer_read().diffuse, 0.0) + subpassLoad(input_specular_light);
+        // What no light reaches may have been written by nothing.
+        bvec3 dark = equal(light.rgb, vec3(0.0));
+        vec3 diffuse = mix(light.rgb * gbuffer_read().diffuse, vec3(0.0), dark);
+        light = vec4(diffuse, 0.0) + subpassLoad(input_specular_light);
     }
     // Surfaces write alpha 1, and lights add 0 to it.
     bool is_background = (LIGHT_ALPHA ? light.a : subpassLoad(input_depth).r) == 0.0;
