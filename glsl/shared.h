@@ -71,6 +71,7 @@
 #define TARGET_LIGHT 11
 #define TARGET_SPECULAR_LIGHT 12
 #define TARGET_OUTPUT 13
+#define TARGET_OUTPUT_SAMPLES 13
 
 // Specialisation constant ids.
 #define ID_TEXTURE_COUNT 0
@@ -130,6 +131,11 @@
 #define ID_GBUFFER 64
 #define ID_BRDF 65
 #define ID_LIGHT_ADDED 66
+#define ID_SAMPLES 67
+#define ID_PER_SAMPLE 68
+#define ID_SAMPLE_DEPTH 69
+#define ID_RESOLVE_PLAIN 70
+#define ID_FLOAT_OUTPUT 71
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0
