@@ -131,7 +131,7 @@
 #define ID_GBUFFER 64
 #define ID_BRDF 65
 #define ID_LIGHT_ADDED 66
-#define ID_SAMPLES 67
+#define ID_SAMPLE_COUNT 67
 #define ID_PER_SAMPLE 68
 #define ID_SAMPLE_DEPTH 69
 #define ID_RESOLVE_PLAIN 70

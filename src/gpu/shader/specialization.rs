@@ -321,7 +321,7 @@ impl SampleConstants {
     /// As ids and values.
     pub fn specialization(&self) -> Specialization {
         Specialization::from_pairs(&[
-            (const { shared("ID_SAMPLES") }, self.samples),
+            (const { shared("ID_SAMPLE_COUNT") }, self.samples),
             (const { shared("ID_PER_SAMPLE") }, self.per_sample.into()),
             (const { shared("ID_SAMPLE_DEPTH") }, self.sample_depth.into()),
             (const { shared("ID_RESOLVE_PLAIN") }, (self.resolve == ResolveWay::Plain).into()),
