@@ -144,11 +144,14 @@ fn settings(options: &Options, exposure_ev: f32) -> Settings {
 /// The first step of an 8-bit sRGB display above black: darker light is not told from black.
 pub(super) const FLOOR: f64 = 1.0 / (255.0 * 12.92);
 
+/// The relative error that the renderer promises for 99.9 % of all pixels.
+const PROMISED: f64 = 1e-3;
+
 /// How far a picture is from the reference.
 #[derive(Clone, Debug)]
 pub struct Difference {
-    /// The largest error of a channel beyond what the rasteriser explains, relative to the true value or the floor that was given;
-    /// infinite where a pixel is not finite.
+    /// The largest relative error of a channel, of the true value or the floor that was given, but for what the rasteriser explains
+    /// beyond a thousandth; infinite where a pixel is not finite.
     pub worst: f64,
     /// The pixel where that is.
     pub at: [u32; 2],
@@ -167,8 +170,8 @@ impl Difference {
 }
 
 /// Compares a picture of floats with the truth, but for pixels at edges, where a rasteriser may rightly see something else.
-/// Errors are those beyond what vertices on the rasteriser's lattice explain, relative to the channel's true value, or to `floor`
-/// where that is less.
+/// Errors are relative to the channel's true value, or to `floor` where that is less. Of those above a thousandth what vertices on the
+/// rasteriser's lattice explain is taken away, down to that.
 ///
 /// # Errors
 /// [`Error::Unsupported`] if the picture is none of floats, or of another size.
@@ -186,8 +189,10 @@ pub fn difference(truth: &Truth, picture: &Picture, floor: f64) -> Result<Differ
             continue;
         }
         all.compared += usize::from(pixel.covered);
-        let off = ((found - pixel.display).abs() - truth.slack(i)).max(DVec3::ZERO);
-        let error = (off / pixel.display.abs().max(DVec3::splat(floor))).max_element();
+        let unit = pixel.display.abs().max(DVec3::splat(floor));
+        let error = (found - pixel.display).abs() / unit;
+        let unexplained = (error - truth.slack(i) / unit).max(DVec3::splat(PROMISED));
+        let error = error.min(unexplained).max_element();
         let error = if sound { error } else { f64::INFINITY };
         if error > all.worst {
             all.worst = error;
