@@ -71,7 +71,6 @@
 #define TARGET_LIGHT 11
 #define TARGET_SPECULAR_LIGHT 12
 #define TARGET_OUTPUT 13
-#define TARGET_OUTPUT_SAMPLES 13
 
 // Specialisation constant ids.
 #define ID_TEXTURE_COUNT 0
