@@ -2,6 +2,7 @@
 embed![
     "base.frag",
     "fog.frag",
+    "fog_samples.frag",
     "forward.frag",
     "fullscreen.vert",
     "geometry.frag",
@@ -9,10 +10,12 @@ embed![
     "light.frag",
     "light_volume.vert",
     "lighting.frag",
+    "lighting_samples.frag",
     "mask.frag",
     "shadow.vert",
     "shadow_compose.frag",
     "sky.frag",
     "tonemap.frag",
+    "tonemap_samples.frag",
     "unlit.frag",
 ]
