@@ -7,6 +7,7 @@
 #include "pixel.glsl"
 #include "gbuffer.glsl"
 #include "fog.glsl"
+#define ALL_PIXELS
 #include "tonemap.glsl"
 
 layout(constant_id = ID_LIGHT_ALPHA) const bool LIGHT_ALPHA = true; // else depth tells surfaces from the background
@@ -29,5 +30,5 @@ void main() {
     if (FOG && !is_background) {
         exposed_light = fogged(exposed_light, gbuffer_read().position_world);
     }
-    target_output = BACKGROUND && is_background ? background_color() : output_color(exposed_light);
+    target_output = whole_color(exposed_light, is_background);
 }

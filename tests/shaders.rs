@@ -150,6 +150,7 @@ fn blocks() -> [Block; 10] {
                 ambient_nt,
                 light_counts,
                 hemispheres,
+                bloom,
             }
         ),
         block!("Instance" = InstanceData { world_from_object_rows }),

@@ -66,11 +66,13 @@ pub enum Module {
     ShadowVertex,
     /// Copies a tile of one shadow map to another.
     ShadowCompose,
+    /// Spreads light.
+    Bloom,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -85,6 +87,7 @@ impl Module {
         Self::Lighting,
         Self::Tonemap,
         Self::ShadowCompose,
+        Self::Bloom,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -104,6 +107,7 @@ impl Module {
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
+            Self::Bloom => "bloom.frag",
         }
     }
 

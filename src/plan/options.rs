@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
+    BloomWay, Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
     ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 use crate::environment::TexelFormat;
@@ -95,6 +95,14 @@ pub struct Options {
     pub lightmap_format: TexelFormat,
     /// Why the G-buffer is what it is, where nobody named it ([`crate::measure::choose`]); the plan's notes begin with it.
     pub gbuffer_why: Vec<String>,
+    /// Light that lens and eye scatter around bright places.
+    pub bloom: BloomWay,
+    /// The share of light that is scattered, 0 to 1.
+    pub bloom_strength: f32,
+    /// How far it is scattered: the size of the widest step's pixels as a share of the picture's shorter side, above 0 to 1.
+    pub bloom_radius: f32,
+    /// Smooth edges, found by depth and normals of neighbours (Koonce 2007, listing 19-3), in a pass after the frame's own.
+    pub edge_filter: bool,
 }
 
 impl Default for Options {
@@ -124,6 +132,10 @@ impl Default for Options {
             environment_format: TexelFormat::E5B9G9R9,
             lightmap_format: TexelFormat::E5B9G9R9,
             gbuffer_why: Vec::new(),
+            bloom: BloomWay::Off,
+            bloom_strength: 0.05,
+            bloom_radius: 0.1,
+            edge_filter: false,
         }
     }
 }

@@ -95,6 +95,7 @@ fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
         dither: plan.options.dither,
         background: plan.needs.background,
         fog: plan.needs.fog.filter(|_| applies_fog),
+        bloom: plan.options.bloom,
     }
 }
 
