@@ -1,8 +1,9 @@
 #version 450
-// One step of spreading light: to half the size, or from the next smaller size back over what is there (by blending). All steps
-// keep the sum of light; src/reference/bloom.rs says what becomes of it.
+// One step of spreading light: to half the size, or from the next smaller size back to add this one's. All steps keep light's mean;
+// the sum of all sizes is divided by their number when it is used. src/reference/bloom.rs says what becomes of it.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
+#include "gbuffer/small_float.glsl"
 
 layout(constant_id = ID_TONEMAP) const uint TONEMAP = TONEMAP_NEUTRAL;
 
@@ -11,20 +12,21 @@ layout(constant_id = ID_TONEMAP) const uint TONEMAP = TONEMAP_NEUTRAL;
 layout(constant_id = ID_BLOOM_STEP) const uint BLOOM_STEP = BLOOM_STEP_DOWN;
 layout(constant_id = ID_BLOOM_DISPLAYED) const bool BLOOM_DISPLAYED = false; // the first step reads light after the curve
 
-layout(set = SET_POST, binding = BINDING_POST_COLOR) uniform sampler2D source;
+layout(set = SET_POST, binding = BINDING_POST_COLOR) uniform sampler2D post_color;
+layout(set = SET_POST, binding = BINDING_POST_OWN) uniform sampler2D post_own; // of the target's size
 
-layout(location = 0) out vec4 target;
+layout(location = TARGET_OUTPUT) out vec4 target_output;
 
-// B10G11R11 ends at 64512.
-const float MOST = 64000.0;
+// Eight sizes of it add up to less than B10G11R11 holds.
+const float MOST = 8000.0;
 
 // Of the four pixels that this one takes the place of; light is averaged, not what the curve made of it.
 vec3 first() {
-    ivec2 last = textureSize(source, 0) - 1;
+    ivec2 last = textureSize(post_color, 0) - 1;
     ivec2 at = ivec2(gl_FragCoord.xy) * 2;
     vec3 sum = vec3(0.0);
     for (int i = 0; i < 4; ++i) {
-        vec3 texel = texelFetch(source, min(at + ivec2(i & 1, i >> 1), last), 0).rgb;
+        vec3 texel = texelFetch(post_color, min(at + ivec2(i & 1, i >> 1), last), 0).rgb;
         sum += BLOOM_DISPLAYED ? tonemap_inverse(texel) : texel;
     }
     return min(sum * 0.25, MOST);
@@ -32,7 +34,7 @@ vec3 first() {
 
 // `offset` in texels of the source.
 vec3 tap(vec2 center, vec2 offset) {
-    return textureLod(source, (center + offset) / vec2(textureSize(source, 0)), 0.0).rgb;
+    return textureLod(post_color, (center + offset) / vec2(textureSize(post_color, 0)), 0.0).rgb;
 }
 
 // Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", SIGGRAPH 2014: five overlapping squares of
@@ -60,5 +62,9 @@ vec3 up() {
 
 void main() {
     vec3 light = BLOOM_STEP == BLOOM_STEP_FIRST ? first() : BLOOM_STEP == BLOOM_STEP_DOWN ? down() : up();
-    target = vec4(light, 1.0);
+    if (BLOOM_STEP == BLOOM_STEP_UP) {
+        light += texelFetch(post_own, ivec2(gl_FragCoord.xy), 0).rgb;
+    }
+    // To the nearest: devices may cut off, and what a dozen steps cut off is seen.
+    target_output = vec4(from_b10g11r11(b10g11r11_of(light)), 1.0);
 }

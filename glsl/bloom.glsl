@@ -8,12 +8,13 @@ layout(set = SET_INPUTS, binding = BINDING_BLOOM) uniform sampler2D bloom; // ha
 
 layout(location = TARGET_BLOOM_LIGHT) out vec4 target_bloom_light;
 
-// Below what B10G11R11 holds in its shortest channel: an infinity would spread over the picture.
-const float BLOOM_MOST = 64000.0;
+// Eight sizes of it add up to less than B10G11R11 holds in its shortest channel: an infinity would spread over the picture.
+const float BLOOM_MOST = 8000.0;
 
 vec3 with_bloom(vec3 exposed_light) {
     if (BLOOM_STORED) {
-        target_bloom_light = vec4(clamp(exposed_light, 0.0, BLOOM_MOST), 1.0);
+        // To the nearest, whatever the device does.
+        target_bloom_light = vec4(from_b10g11r11(b10g11r11_of(clamp(exposed_light, 0.0, BLOOM_MOST))), 1.0);
     }
     if (!BLOOM) {
         return exposed_light;

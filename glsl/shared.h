@@ -186,6 +186,7 @@
 // Passes after the frame's own: the only set of those that spread light, and where the picture is sampled.
 #define SET_POST 0
 #define BINDING_POST_COLOR 25
+#define BINDING_POST_OWN 26
 
 // Values of the constant BLOOM_STEP.
 #define BLOOM_STEP_FIRST 0

@@ -18,7 +18,7 @@ use ontile::gpu::shared::{
     ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush, MaterialData,
     ProbeData, ShadowPush, ShadowViewData,
 };
-use ontile::plan::{Brdf, GBuffer, Tonemap};
+use ontile::plan::{BloomWay, Brdf, GBuffer, Tonemap};
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;
 use rspirv::spirv::{Decoration, Op};
@@ -285,9 +285,23 @@ fn wrong_interfaces_are_reported() {
     }
 }
 
+/// Without the curve, which other builders have too.
+fn every_constant_of_bloom() -> Specialization {
+    let mut bloom = Specialization::bloom(0, None);
+    let curve = bloom.ids.iter().position(|id| *id == shared("ID_TONEMAP")).expect("it may undo one");
+    (bloom.ids.remove(curve), bloom.data.remove(curve));
+    bloom
+}
+
 /// A value for every constant that the typed builders know.
 fn every_constant() -> Specialization {
-    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false, background: None, fog: None };
+    let output = OutputConstants {
+        tonemap: Tonemap::Neutral,
+        dither: false,
+        background: None,
+        fog: None,
+        bloom: BloomWay::Off,
+    };
     let surface = GeometryConstants::default().specialization();
     surface
         .and(LightingConstants::default().specialization())
@@ -295,6 +309,7 @@ fn every_constant() -> Specialization {
         .and(GBufferConstants::new(&GBuffer::exact()).specialization())
         .and(Specialization::brdf(Brdf::Exact))
         .and(Specialization::volume(0))
+        .and(every_constant_of_bloom())
 }
 
 #[test]

@@ -49,7 +49,10 @@ struct OutputTarget {
 }
 
 impl Target {
-    #[allow(clippy::too_many_arguments, reason = "the parts of a renderer, apart so that they can be borrowed")]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "the parts of a renderer, apart so that they can be borrowed"
+    )]
     pub(super) fn new(
         device: &Device,
         plan: &Plan,
@@ -82,13 +85,13 @@ impl Target {
             let binding = const { shared("BINDING_BLOOM") };
             post.sampled_at(binding, images[image].view())
         });
-        let build = OutputBuilder { device, plan, passes, pipelines, attachments: &attachments, extent, bloom };
+        let build =
+            OutputBuilder { device, plan, passes, pipelines, attachments: &attachments, extent, bloom };
         let hosts = outputs;
         let outputs = hosts.iter().map(|o| build.build(o)).collect::<Result<_>>()?;
         let view = |output: usize, attachment: usize| build.view(&hosts[output], attachment);
-        let post = post.map(|post| {
-            PostTarget::new(device, plan, post, pipelines, images, (hosts, size), &view)
-        });
+        let post =
+            post.map(|post| PostTarget::new(device, plan, post, pipelines, images, (hosts, size), &view));
         let post = post.transpose()?;
         let passes = Arc::clone(passes);
         Ok(Self { outputs, attachments, clear_values: clear_values(plan), post, extent, passes })

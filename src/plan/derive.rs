@@ -284,14 +284,7 @@ impl Dependencies {
     }
 
     /// Orders the pass's first touch after earlier passes and frames, and after what the host did since.
-    fn order_after_outside(
-        &mut self,
-        first: &Touch,
-        is_only: bool,
-        depth: bool,
-        load: Load,
-        host: Scope,
-    ) {
+    fn order_after_outside(&mut self, first: &Touch, is_only: bool, depth: bool, load: Load, host: Scope) {
         let mut after = Access::of(&first.uses);
         after.insert(Access::load(depth, load));
         if is_only {
@@ -304,7 +297,13 @@ impl Dependencies {
     }
 
     /// Orders what the host does with the output, or later passes with what is stored, after the last touch.
-    fn order_before_outside(&mut self, last: usize, depth: bool, store: Store, outside: Option<(Access, &str)>) {
+    fn order_before_outside(
+        &mut self,
+        last: usize,
+        depth: bool,
+        store: Store,
+        outside: Option<(Access, &str)>,
+    ) {
         let before = [Access::store(depth)].into();
         if let Some((access, why)) = outside {
             self.add(Some(last), None, before, [access].into(), why.into());

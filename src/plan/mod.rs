@@ -48,7 +48,8 @@ pub use counts::{FrameCounts, Seen, StateChanges};
 pub use format::Format;
 pub use layout::{Form, GBuffer, LightPlace, LightTarget, LightWord, Target, Tells};
 pub use ledger::{
-    AttachmentReport, DeviceFigures, Figure, Origin, PassReport, PostPassReport, Report, SubpassReport, Totals,
+    AttachmentReport, DeviceFigures, Figure, Origin, PassReport, PostPassReport, Report, SubpassReport,
+    Totals,
 };
 pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};

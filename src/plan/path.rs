@@ -24,9 +24,10 @@ pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Resu
         Path::Auto if options.keep_gbuffer => {
             (Path::Deferred, Some("path: deferred, since its G-buffer is to be kept".into()))
         }
-        Path::Auto if wants_gbuffer && needs.lit.is_some() => {
-            (Path::Deferred, Some("path: deferred, for bloom and the edge filter, which need a stage over all pixels".into()))
-        }
+        Path::Auto if wants_gbuffer && needs.lit.is_some() => (
+            Path::Deferred,
+            Some("path: deferred, for bloom and the edge filter, which need a stage over all pixels".into()),
+        ),
         Path::Auto
             if needs.local_lights() > 0
                 && matches!(options.lights, LightWay::Volumes | LightWay::Stencil) =>

@@ -51,7 +51,7 @@ pub enum PostKind {
     },
     /// Takes spread light to half its size.
     BloomDown,
-    /// Spreads light of the next smaller size over what is there.
+    /// Spreads what the next smaller size adds up to, and adds light of its own size.
     BloomUp,
 }
 
@@ -66,8 +66,6 @@ pub struct PostPass {
     pub samples: Vec<PostPlace>,
     /// Drawn to and stored.
     pub target: PostPlace,
-    /// The share of the result that this pass brings; the rest is what was there and is loaded. `None`: nothing was there.
-    pub over: Option<f32>,
     /// Why it exists.
     pub why: &'static str,
 }
@@ -84,7 +82,8 @@ pub struct Post {
 impl Post {
     /// The image that the tone curve of the next frame samples, index into [`Self::images`].
     pub fn scattered(&self) -> Option<usize> {
-        (!self.images.is_empty()).then_some(0)
+        let first = self.images.iter().position(|image| image.name == "bloom_sum_1");
+        first.or((!self.images.is_empty()).then_some(0))
     }
 
     /// The first pass of each kind: those of one kind have a pipeline in common.
@@ -103,14 +102,14 @@ impl Post {
         let mut post = Self::default();
         let light = attachments.iter().position(|a| a.name == "bloom_light");
         if options.edge_filter {
-            let sampled = (0..attachments.len()).filter(|&a| attachments[a].usage.sampled && light != Some(a));
+            let sampled =
+                (0..attachments.len()).filter(|&a| attachments[a].usage.sampled && light != Some(a));
             let samples = sampled.map(PostPlace::Attachment);
             post.passes.push(PostPass {
                 name: "edge_filter".into(),
                 kind: PostKind::EdgeFilter,
                 samples: samples.collect(),
                 target: PostPlace::Output,
-                over: None,
                 why: "edges are found by depth and normals of neighbours, and smoothed",
             });
         }
@@ -123,16 +122,27 @@ impl Post {
                 name: format!("bloom_{level}"),
                 format: Format::B10g11r11Float,
                 halvings: level,
-                why: "scattered light",
+                why: "light that is spread",
             });
         }
+        for level in 1..levels {
+            post.images.push(PostImage {
+                name: format!("bloom_sum_{level}"),
+                format: Format::B10g11r11Float,
+                halvings: level,
+                why: "spread light of this size and all smaller ones",
+            });
+        }
+        let sum = |level: u32| match level {
+            _ if level == levels => PostPlace::Image(level as usize - 1),
+            _ => PostPlace::Image((levels + level) as usize - 1),
+        };
         let image = |level: u32| PostPlace::Image(level as usize - 1);
-        let pass = |name: &str, level: u32, kind, from, over, why| PostPass {
-            name: format!("bloom_{name}_{level}"),
+        let down = |level: u32, kind, from, why| PostPass {
+            name: format!("bloom_down_{level}"),
             kind,
             samples: vec![from],
             target: image(level),
-            over,
             why,
         };
         let displayed = options.bloom == BloomWay::Previous;
@@ -141,17 +151,19 @@ impl Post {
             false => "stored light is taken to half its size",
         };
         let first = PostKind::BloomFirst { displayed };
-        post.passes.push(pass("down", 1, first, PostPlace::Attachment(light.unwrap_or(0)), None, why));
+        post.passes.push(down(1, first, PostPlace::Attachment(light.unwrap_or(0)), why));
         for level in 2..=levels {
             let why = "wider scattering needs fewer pixels";
-            post.passes.push(pass("down", level, PostKind::BloomDown, image(level - 1), None, why));
+            post.passes.push(down(level, PostKind::BloomDown, image(level - 1), why));
         }
         for level in (1..levels).rev() {
-            // Each size brings as much light as any other.
-            let smaller = (levels - level) as f32;
-            let why = "light of all sizes is added up";
-            let over = Some(smaller / (smaller + 1.0));
-            post.passes.push(pass("up", level, PostKind::BloomUp, image(level + 1), over, why));
+            post.passes.push(PostPass {
+                name: format!("bloom_up_{level}"),
+                kind: PostKind::BloomUp,
+                samples: vec![sum(level + 1), image(level)],
+                target: sum(level),
+                why: "light of all sizes is added up",
+            });
         }
         post
     }
@@ -182,9 +194,17 @@ pub(super) fn check(options: &Options, needs: &Needs, path: Path) -> Result<()> 
         return Err(Error::unsupported(
             format!(
                 "bloom mixes scattered light into every pixel before the tone curve, and {} no stage covers all pixels",
-                if needs.lit.is_none() { "where nothing is lit".into() } else { format!("on the path {path}") }
+                if needs.lit.is_none() {
+                    "where nothing is lit".into()
+                } else {
+                    format!("on the path {path}")
+                }
             ),
-            if needs.lit.is_none() { "leave --bloom out" } else { "use --path deferred, or leave --bloom out" },
+            if needs.lit.is_none() {
+                "leave --bloom out"
+            } else {
+                "use --path deferred, or leave --bloom out"
+            },
         ));
     }
     if options.edge_filter {
@@ -215,9 +235,8 @@ impl Plan {
     /// Bytes that a pass after the frame's own loads (first; what it samples counts once, since caches hold the neighbours)
     /// and stores (second), a pixel of the picture.
     pub fn post_traffic(&self, pass: &PostPass) -> [f64; 2] {
-        let target = self.post_bytes(pass.target);
         let sampled: f64 = pass.samples.iter().map(|&place| self.post_bytes(place)).sum();
-        [sampled + if pass.over.is_some() { target } else { 0.0 }, target]
+        [sampled, self.post_bytes(pass.target)]
     }
 
     /// Bytes that the frame's own tone curve samples of scattered light, a pixel.
@@ -238,7 +257,7 @@ impl Plan {
         }
         writeln!(f, "\nafter it (planned), bytes a pixel of the picture:   loaded   stored")?;
         let mut line = |name: &str, [loaded, stored]: [f64; 2], why: &str| {
-            writeln!(f, "  {name:<46} {loaded:>9.3} {stored:>8.3}  {why}")
+            writeln!(f, "  {name:<48} {loaded:>7.3} {stored:>8.3}  {why}")
         };
         for pass in &self.post.passes {
             let place = |place: PostPlace| match place {
@@ -247,8 +266,7 @@ impl Plan {
                 PostPlace::Output => "the host's image".into(),
             };
             let from = pass.samples.iter().map(|&p| place(p)).collect::<Vec<_>>().join(", ");
-            let over = if pass.over.is_some() { " (over it)" } else { "" };
-            let name = format!("{}: {from} -> {}{over}", pass.name, place(pass.target));
+            let name = format!("{}: {from} -> {}", pass.name, place(pass.target));
             line(&name, self.post_traffic(pass), pass.why)?;
         }
         if let Some(image) = self.post.scattered() {

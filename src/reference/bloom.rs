@@ -54,7 +54,9 @@ pub fn first(light: &Light) -> Light {
 pub fn down(light: &Light) -> Light {
     Light::from_fn(light.half_size(), |x, y| {
         let square = |dx: f64, dy: f64| {
-            let tap = |sx: f64, sy: f64| light.sample(2.0 * x as f64 + 1.0 + dx + sx, 2.0 * y as f64 + 1.0 + dy + sy);
+            let tap = |sx: f64, sy: f64| {
+                light.sample(2.0 * x as f64 + 1.0 + dx + sx, 2.0 * y as f64 + 1.0 + dy + sy)
+            };
             (tap(-1.0, -1.0) + tap(1.0, -1.0) + tap(-1.0, 1.0) + tap(1.0, 1.0)) / 4.0
         };
         let corners = square(-1.0, -1.0) + square(1.0, -1.0) + square(-1.0, 1.0) + square(1.0, 1.0);
@@ -132,7 +134,8 @@ mod tests {
         let scattered = scattered(&spot(size, center), 7);
         let ring = |from: f64, to: f64| -> f64 {
             let radius = |i: usize| {
-                let [x, y] = [i % scattered.size[0], i / scattered.size[0]].map(|v| 2.0 * v as f64 + 1.0 - 512.5);
+                let [x, y] =
+                    [i % scattered.size[0], i / scattered.size[0]].map(|v| 2.0 * v as f64 + 1.0 - 512.5);
                 x.hypot(y)
             };
             let pixels = scattered.pixels.iter().enumerate();

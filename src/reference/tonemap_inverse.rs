@@ -76,7 +76,10 @@ mod tests {
                         continue;
                     }
                     let back = tonemap_inverse(curve, display);
-                    assert!((back - light).abs().max_element() < 1e-9 * light.max_element().max(1.0), "{curve} {light}: {back}");
+                    assert!(
+                        (back - light).abs().max_element() < 1e-9 * light.max_element().max(1.0),
+                        "{curve} {light}: {back}"
+                    );
                     checked += 1;
                 }
             }

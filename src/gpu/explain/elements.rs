@@ -1,6 +1,8 @@
 //! The elements of a scene that pipelines exist for.
 
-use crate::plan::{CasterKind, KindNeed, Pipeline, Plan, PostPass, SceneKinds, SurfaceKind, VolumeShape, element};
+use crate::plan::{
+    CasterKind, KindNeed, Pipeline, Plan, PostPass, SceneKinds, SurfaceKind, VolumeShape, element,
+};
 use crate::scene::{Light, LightKind, Scene};
 use crate::visible::Reach;
 

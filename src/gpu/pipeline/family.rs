@@ -120,12 +120,10 @@ impl Family {
             Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
-            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap => {
-                SecondSet::Inputs {
-                    count: plan.subpass(stage).2.inputs.len() as u32,
-                    bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
-                }
-            }
+            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap => SecondSet::Inputs {
+                count: plan.subpass(stage).2.inputs.len() as u32,
+                bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
+            },
         };
         let one_light = matches!(pipeline, Pipeline::Light(_));
         Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, one_light }
@@ -169,7 +167,9 @@ impl Family {
             SecondSet::Inputs { count, bloom } => {
                 let inputs = (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT));
                 let scattered = const { shared("BINDING_BLOOM") };
-                inputs.chain(bloom.then_some((scattered, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT))).collect()
+                inputs
+                    .chain(bloom.then_some((scattered, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT)))
+                    .collect()
             }
             SecondSet::Samplers { bindings } => {
                 let bound = (0..u32::BITS).filter(|b| bindings & (1 << b) != 0);

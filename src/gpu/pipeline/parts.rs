@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::super::post::{PostParts, places};
 use super::super::shader::{AttachmentPlaces, Module, Shaders, Specialization, declared, shared_names};
-use super::super::post::PostParts;
 use super::super::shadow::{caster_bindings, caster_input, caster_modules};
 use super::{Family, VertexInput, modules};
 use crate::Result;
@@ -78,7 +78,7 @@ impl PipelineParts {
         });
         let post = plan.post.kinds().map(|pass| {
             let PostParts { family, fragment, constants, .. } = PostParts::of(plan, pass);
-            let places = AttachmentPlaces { targets: vec![0], inputs: Vec::new() };
+            let places = places();
             let sets: Vec<_> = family.sets().into_iter().filter(|set| !set.is_empty()).collect();
             Ok(Self {
                 name: pass.name.clone(),

@@ -9,7 +9,8 @@ use super::pipeline::{Family, Pipelines};
 use super::shader::{Module, Specialization, shared};
 use super::{Device, Owned, PipelineCache};
 use crate::Result;
-use crate::plan::{Plan, PostKind, PostPass, PostPlace};
+use crate::plan::{Plan, PostKind, PostPass};
+pub(super) use pipelines::places;
 use pipelines::{pipeline, render_pass, sampler};
 pub(super) use target::PostTarget;
 
@@ -28,6 +29,7 @@ pub(super) struct PostPasses {
 /// What such a pass reads, by binding, and what its shaders are.
 pub(super) struct PostParts {
     pub(super) family: Family,
+    /// In the order of what it samples.
     pub(super) bindings: Vec<u32>,
     pub(super) fragment: Module,
     pub(super) constants: Specialization,
@@ -35,7 +37,7 @@ pub(super) struct PostParts {
 
 impl PostParts {
     pub(super) fn of(plan: &Plan, pass: &PostPass) -> Self {
-        let bindings: Vec<_> = pass.samples.iter().map(|&place| binding(plan, place)).collect();
+        let bindings: Vec<_> = (const { shared("BINDING_POST_COLOR") }..).take(pass.samples.len()).collect();
         let bits = bindings.iter().fold(0, |bits, b| bits | 1 << b);
         let step = match pass.kind {
             PostKind::EdgeFilter | PostKind::BloomFirst { .. } => const { shared("BLOOM_STEP_FIRST") },
@@ -50,11 +52,6 @@ impl PostParts {
             constants: Specialization::bloom(step, displayed.then_some(plan.options.tonemap)),
         }
     }
-}
-
-/// Where a shader finds what it samples.
-fn binding(_plan: &Plan, _place: PostPlace) -> u32 {
-    const { shared("BINDING_POST_COLOR") }
 }
 
 impl PostPasses {
@@ -76,9 +73,8 @@ impl PostPasses {
             let Some((_, raw)) = raw else { continue };
             let PostParts { family, fragment, constants, .. } = PostParts::of(plan, pass);
             let layout = pipelines.layouts[&family].layout.raw();
-            let over = pass.over.is_some();
             let shader = (fragment, &constants);
-            made.push((pass.kind, pipeline(device, cache, shader, layout, raw, over, &pass.name)?));
+            made.push((pass.kind, pipeline(device, cache, shader, layout, raw, &pass.name)?));
         }
         let uses_nearest = plan.post.passes.iter().any(|pass| pass.kind == PostKind::EdgeFilter);
         let nearest = uses_nearest.then(|| sampler(device, vk::Filter::NEAREST)).transpose()?;
@@ -102,8 +98,7 @@ impl PostPasses {
 
     /// What is bound there: pictures and light are interpolated.
     pub(super) fn sampled_at(&self, binding: u32, view: vk::ImageView) -> vk::DescriptorImageInfo {
-        let is_light = [const { shared("BINDING_POST_COLOR") }, const { shared("BINDING_BLOOM") }];
-        let nearest = self.nearest.as_ref().filter(|_| !is_light.contains(&binding));
+        let nearest = self.nearest.as_ref().filter(|_| binding < const { shared("BINDING_BLOOM") });
         vk::DescriptorImageInfo::default()
             .sampler(nearest.unwrap_or(&self.linear).raw())
             .image_view(view)

@@ -3,30 +3,26 @@
 use ash::vk;
 
 use super::super::pipeline::shader_module;
-use super::super::shader::{AttachmentPlaces, Module, Shaders, Specialization};
+use super::super::shader::{AttachmentPlaces, Module, Shaders, Specialization, shared};
 use super::super::{Called, Device, Owned, PipelineCache, conv};
 use crate::Result;
 use crate::plan::{Access, Plan, PostPass, PostPlace, State};
 
-/// One attachment: drawn to, or drawn over, and stored. What it samples was stored by passes before it, which say so.
+/// One attachment: drawn to and stored. What it samples was stored by passes before it, which say so.
 pub(super) fn render_pass(device: &Device, plan: &Plan, pass: &PostPass) -> Result<Owned<vk::RenderPass>> {
     use vk::{AccessFlags as A, ImageLayout as L, PipelineStageFlags as S};
     let (format, after) = match pass.target {
         PostPlace::Image(image) => (plan.post.images[image].format, State::Sampled),
         _ => (plan.options.output.into(), State::after_frame(plan.options.output_use)),
     };
-    let (load, before) = match pass.over {
-        Some(_) => (vk::AttachmentLoadOp::LOAD, L::SHADER_READ_ONLY_OPTIMAL),
-        None => (vk::AttachmentLoadOp::DONT_CARE, L::UNDEFINED),
-    };
     let attachments = [vk::AttachmentDescription::default()
         .format(conv::format(format))
         .samples(vk::SampleCountFlags::TYPE_1)
-        .load_op(load)
+        .load_op(vk::AttachmentLoadOp::DONT_CARE)
         .store_op(vk::AttachmentStoreOp::STORE)
         .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
         .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
-        .initial_layout(before)
+        .initial_layout(L::UNDEFINED)
         .final_layout(conv::layout(after))];
     let color = [vk::AttachmentReference { attachment: 0, layout: L::COLOR_ATTACHMENT_OPTIMAL }];
     let subpasses = [vk::SubpassDescription::default()
@@ -38,28 +34,25 @@ pub(super) fn render_pass(device: &Device, plan: &Plan, pass: &PostPass) -> Resu
     };
     let (host_stages, host_access) = conv::scope(&host.into_iter().collect());
     let dependencies = [
-        // Who sampled or copied what was there before, and who wrote what is drawn over.
+        // Who sampled or copied what was there before.
         vk::SubpassDependency::default()
             .src_subpass(vk::SUBPASS_EXTERNAL)
             .dst_subpass(0)
             .src_stage_mask(S::FRAGMENT_SHADER | S::COLOR_ATTACHMENT_OUTPUT | S::TRANSFER | host_stages)
             .src_access_mask(A::COLOR_ATTACHMENT_WRITE)
             .dst_stage_mask(S::COLOR_ATTACHMENT_OUTPUT)
-            .dst_access_mask(A::COLOR_ATTACHMENT_WRITE | A::COLOR_ATTACHMENT_READ),
+            .dst_access_mask(A::COLOR_ATTACHMENT_WRITE),
         vk::SubpassDependency::default()
             .src_subpass(0)
             .dst_subpass(vk::SUBPASS_EXTERNAL)
             .src_stage_mask(S::COLOR_ATTACHMENT_OUTPUT)
             .src_access_mask(A::COLOR_ATTACHMENT_WRITE)
             .dst_stage_mask(match host {
-                Some(_) => host_stages | S::COLOR_ATTACHMENT_OUTPUT,
+                Some(_) => host_stages,
                 // Presenting waits for a semaphore.
                 None => S::BOTTOM_OF_PIPE,
             })
-            .dst_access_mask(match host {
-                Some(_) => host_access | A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE,
-                None => A::empty(),
-            }),
+            .dst_access_mask(host_access),
     ];
     let info = vk::RenderPassCreateInfo::default()
         .attachments(&attachments)
@@ -69,17 +62,21 @@ pub(super) fn render_pass(device: &Device, plan: &Plan, pass: &PostPass) -> Resu
     unsafe { device.create_render_pass(&info, &pass.name) }
 }
 
-/// Covers the image; `over`: by the blend constants, which are set when it is drawn.
+/// Where the only attachment is.
+pub(in crate::gpu) fn places() -> AttachmentPlaces {
+    AttachmentPlaces { targets: vec![const { shared("TARGET_OUTPUT") }], inputs: Vec::new() }
+}
+
+/// Covers the image.
 pub(super) fn pipeline(
     device: &Device,
     cache: &PipelineCache,
     (fragment, constants): (Module, &Specialization),
     layout: vk::PipelineLayout,
     pass: &Owned<vk::RenderPass>,
-    over: bool,
     name: &str,
 ) -> Result<Owned<vk::Pipeline>> {
-    let places = AttachmentPlaces { targets: vec![0], inputs: Vec::new() };
+    let places = places();
     let shaders = Shaders::new(Module::Fullscreen, Some(fragment), constants, &places)?;
     let vertex = shader_module(device, &shaders.vertex, name)?;
     let fragment = shader_module(device, shaders.fragment.as_deref().unwrap_or_default(), name)?;
@@ -96,24 +93,13 @@ pub(super) fn pipeline(
         .polygon_mode(vk::PolygonMode::FILL)
         .cull_mode(vk::CullModeFlags::NONE)
         .line_width(1.0);
-    let multisample = vk::PipelineMultisampleStateCreateInfo::default()
-        .rasterization_samples(vk::SampleCountFlags::TYPE_1);
-    let replace =
-        vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
-    let mix = replace
-        .blend_enable(true)
-        .src_color_blend_factor(vk::BlendFactor::CONSTANT_COLOR)
-        .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_CONSTANT_COLOR)
-        .color_blend_op(vk::BlendOp::ADD)
-        .src_alpha_blend_factor(vk::BlendFactor::ONE)
-        .dst_alpha_blend_factor(vk::BlendFactor::ZERO)
-        .alpha_blend_op(vk::BlendOp::ADD);
-    let blend = [if over { mix } else { replace }];
+    let multisample =
+        vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
+    let blend =
+        [vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA)];
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blend);
-    let states =
-        [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR, vk::DynamicState::BLEND_CONSTANTS];
-    let dynamic =
-        vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states[..if over { 3 } else { 2 }]);
+    let states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
+    let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states);
     let info = vk::GraphicsPipelineCreateInfo::default()
         .stages(&stages)
         .vertex_input_state(&input)
@@ -127,8 +113,7 @@ pub(super) fn pipeline(
         .render_pass(pass.raw())
         .subpass(0);
     // SAFETY: everything that `info` points to outlives the call, and the modules match the layout (a test compares them).
-    let created =
-        unsafe { device.raw().create_graphics_pipelines(cache.raw(), &[info], device.callbacks()) };
+    let created = unsafe { device.raw().create_graphics_pipelines(cache.raw(), &[info], device.callbacks()) };
     let raw = created.map_err(|(_, result)| result).called("vkCreateGraphicsPipelines")?;
     Ok(Owned::new(device, raw[0], name))
 }

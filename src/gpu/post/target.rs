@@ -120,7 +120,11 @@ impl PostTarget {
     pub(in crate::gpu) fn scattered(&self, plan: &Plan, exposure: f32) -> [f32; 2] {
         match self.exposure.load(Ordering::Relaxed) {
             NONE => [0.0; 2],
-            bits => [plan.options.bloom_strength, exposure / f32::from_bits(bits)],
+            bits => {
+                // What is stored is the sum of all sizes.
+                let sizes = plan.post.images.iter().map(|image| image.halvings).max().unwrap_or(1);
+                [plan.options.bloom_strength, exposure / (f32::from_bits(bits) * sizes as f32)]
+            }
         }
     }
 

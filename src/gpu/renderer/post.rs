@@ -17,10 +17,9 @@ impl Frame<'_> {
     }
 
     fn draw_post(&mut self, passes: &PostPasses, target: &PostTarget, index: usize, pass: &PostPass) {
-        let extent = target.size(pass.target).map_or(self.target.extent(), |[width, height]| vk::Extent2D {
-            width,
-            height,
-        });
+        let extent = target
+            .size(pass.target)
+            .map_or(self.target.extent(), |[width, height]| vk::Extent2D { width, height });
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
         let info = vk::RenderPassBeginInfo::default()
             .render_pass(passes.pass(index))
@@ -45,9 +44,6 @@ impl Frame<'_> {
             device.cmd_set_viewport(raw, 0, &[viewport]);
             device.cmd_set_scissor(raw, 0, &[area]);
             device.cmd_bind_pipeline(raw, point, passes.pipeline(pass.kind));
-            if let Some(share) = pass.over {
-                device.cmd_set_blend_constants(raw, &[share; 4]);
-            }
             if family.frame() == 0 {
                 device.cmd_bind_descriptor_sets(raw, point, layout, 0, &[own], &[]);
             } else {
