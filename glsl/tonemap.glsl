@@ -3,6 +3,7 @@
 
 layout(constant_id = ID_TONEMAP) const uint TONEMAP = TONEMAP_NEUTRAL;
 layout(constant_id = ID_DITHER) const bool DITHER = false;
+layout(constant_id = ID_FLOAT_OUTPUT) const bool FLOAT_OUTPUT = false;
 layout(constant_id = ID_BACKGROUND) const bool BACKGROUND = false;
 layout(constant_id = ID_BACKGROUND_RED) const float BACKGROUND_RED = 0.0;
 layout(constant_id = ID_BACKGROUND_GREEN) const float BACKGROUND_GREEN = 0.0;
@@ -86,6 +87,11 @@ vec3 dither(vec3 linear) {
     return linear_from_srgb(clamp(srgb + steps / 255.0, 0.0, 1.0));
 }
 
+// What an output of 8 bits keeps of display light, rounding aside; one of floats keeps all.
+vec3 stored(vec3 color) {
+    return FLOAT_OUTPUT ? color : clamp(color, 0.0, 1.0);
+}
+
 // The pixel of the final image.
 vec4 output_color(vec3 exposed_light) {
     vec3 color = tonemap(exposed_light);
@@ -101,13 +107,16 @@ vec4 background_color() {
 #include "tonemap_inverse.glsl"
 #include "bloom.glsl"
 
+// Light is scattered over the background too: it stands for the light that looks like it.
+vec3 whole_light(vec3 exposed_light, bool is_background) {
+    return BACKGROUND && is_background ? tonemap_inverse(background_color().rgb) : exposed_light;
+}
+
 // The pixel of the final image, whatever is there.
 vec4 whole_color(vec3 exposed_light, bool is_background) {
     if (BACKGROUND && is_background && !BLOOM) {
         return background_color();
     }
-    // Light is scattered over the background too: it stands for the light that looks like it.
-    vec3 light = BACKGROUND && is_background ? tonemap_inverse(background_color().rgb) : exposed_light;
-    return output_color(with_bloom(light));
+    return output_color(with_bloom(whole_light(exposed_light, is_background)));
 }
 #endif

@@ -162,6 +162,10 @@ fn arrangements_do_not_change_what_is_scattered() {
             for size in [[127, 73], [1, 1], [1, 64], [3, 2]] {
                 check(&scenes::every_feature(), Options { size, ..bloom(way) });
             }
+            if way == BloomWay::Previous {
+                check(&scenes::before_sky(), Options { samples: 4, ..bloom(way) });
+                check(&scenes::lights_only(), Options { samples: 4, ..bloom(way) });
+            }
             check(&scenes::foggy(), bloom(way));
             check(&scenes::every_feature(), Options { path: Path::ForwardMultipass, ..bloom(way) });
         }
@@ -214,6 +218,8 @@ fn what_cannot_be_is_refused() {
     assert!(said.contains("--path deferred"), "{said}");
     let said = refused(&scenes::wholly_unlit(), bloom(BloomWay::Previous));
     assert!(said.contains("leave --bloom out"), "{said}");
+    let said = refused(&lit, Options { samples: 4, ..bloom(BloomWay::Store) });
+    assert!(said.contains("--bloom previous"), "{said}");
     for number in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
         let said = refused(&lit, Options { bloom_strength: number, ..bloom(BloomWay::Store) });
         assert!(said.contains("--bloom-strength"), "{said}");

@@ -207,6 +207,12 @@ pub(super) fn check(options: &Options, needs: &Needs, path: Path) -> Result<()> 
             },
         ));
     }
+    if options.bloom == BloomWay::Store && options.samples > 1 {
+        return Err(Error::unsupported(
+            "bloom from stored light stores one sample a pixel, and the frame has more",
+            "use --bloom previous, or --samples 1",
+        ));
+    }
     if options.edge_filter {
         return Err(Error::unsupported("the edge filter does not exist yet", "leave --edge-filter out"));
     }

@@ -15,6 +15,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) {
             name: "bloom_light",
             format: Format::B10g11r11Float,
             holds: "rgb: exposed light before the tone curve, scattered light left out",
+            samples: 1,
             clear: None,
             kept: false,
             sampled: true,
