@@ -7,6 +7,7 @@
 #include "pixel.glsl"
 #include "gbuffer.glsl"
 #include "fog.glsl"
+#define ALL_PIXELS
 #include "tonemap.glsl"
 
 layout(constant_id = ID_LIGHT_ALPHA) const bool LIGHT_ALPHA = true; // else depth tells surfaces from the background
@@ -50,6 +51,14 @@ vec3 exposed_light_of(vec4 light, bool is_background) {
     return exposed_light;
 }
 
+// With what bloom takes of the background for light.
+vec3 over_background(vec3 exposed_light, vec4 light, bool is_background) {
+    if (!(BACKGROUND && TRANSLUCENCY)) {
+        return whole_light(exposed_light, is_background);
+    }
+    return BLOOM ? exposed_light + tonemap_inverse(background_color().rgb) * uncovered(light, is_background) : exposed_light;
+}
+
 #ifdef MULTISAMPLED
 
 // A pixel is the mean of its samples' display light: bright samples that the curve takes to white weigh as much as others, so that
@@ -67,13 +76,13 @@ void main() {
         input_sample = i;
         vec4 light = summed_light();
         bool is_background = is_background(light);
-        if (BACKGROUND) {
+        if (BACKGROUND && !BLOOM) {
             sum += background_color().rgb * uncovered(light, is_background);
             if (is_background) {
                 continue;
             }
         }
-        vec3 exposed_light = exposed_light_of(light, is_background);
+        vec3 exposed_light = with_bloom(over_background(exposed_light_of(light, is_background), light, is_background));
         surfaces += 1;
         if (RESOLVE_PLAIN) {
             exposed_sum += exposed_light;
@@ -100,11 +109,12 @@ void main() {
     bool is_background = is_background(light);
     vec3 exposed_light = exposed_light_of(light, is_background);
     if (BACKGROUND && TRANSLUCENCY) {
-        vec4 over = output_color(exposed_light);
-        target_output = vec4(over.rgb + background_color().rgb * uncovered(light, is_background), 1.0);
+        vec3 over = output_color(with_bloom(over_background(exposed_light, light, is_background))).rgb;
+        vec3 behind = BLOOM ? vec3(0.0) : background_color().rgb * uncovered(light, is_background);
+        target_output = vec4(over + behind, 1.0);
         return;
     }
-    target_output = BACKGROUND && is_background ? background_color() : output_color(exposed_light);
+    target_output = whole_color(exposed_light, is_background);
 }
 
 #endif

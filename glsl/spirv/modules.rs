@@ -1,6 +1,7 @@
 // Written by tools/shaders.
 embed![
     "base.frag",
+    "bloom.frag",
     "fog.frag",
     "fog_samples.frag",
     "forward.frag",

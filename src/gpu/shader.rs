@@ -74,11 +74,13 @@ pub enum Module {
     Fog,
     /// [`Self::Fog`] of several samples a pixel.
     FogSamples,
+    /// Spreads light.
+    Bloom,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -93,6 +95,7 @@ impl Module {
         Self::Lighting,
         Self::Tonemap,
         Self::ShadowCompose,
+        Self::Bloom,
         Self::LightingSamples,
         Self::TonemapSamples,
         Self::Fog,
@@ -117,6 +120,7 @@ impl Module {
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
             Self::Fog | Self::FogSamples => "fog.frag",
+            Self::Bloom => "bloom.frag",
         }
     }
 

@@ -22,7 +22,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
     let before_sky = needs.sky && opaque > 0;
     let hides = opaque > 1 || (opaque == 1 && needs.blended.is_some());
     let is_read = path == Path::Deferred && needs.lit_opaque.is_some() && gbuffer.reads_depth_attachment();
-    if !(hides || one_by_one || before_sky || is_read) {
+    if !(hides || one_by_one || before_sky || is_read || options.edge_filter) {
         return Depth { resource: None, drawn: None, is_read };
     }
     let stencil = way == LightWay::Stencil;
