@@ -18,6 +18,7 @@ layout(constant_id = ID_BLEND) const bool BLEND = false;
 
 const bool SPLIT_LIGHT = FORM == FORM_RASA128;
 #include "gbuffer/light_target.glsl"
+#include "collect.glsl"
 
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
@@ -35,7 +36,15 @@ void main() {
     }
     if (LIGHT_TARGET) {
         float alpha = BLEND ? clamp(fragment.alpha, 0.0, 1.0) : 1.0;
-        light_over(vec4(exposed_light * (frame.light_scale * alpha), alpha));
+        vec4 over = vec4(exposed_light * (frame.light_scale * alpha), alpha);
+        if (COLLECTED == COLLECTED_LAYERS) {
+            collect_layer(over, gl_FragCoord.z);
+        } else if (COLLECTED == COLLECTED_SUM) {
+            vec3 from_camera = surface.position_world - frame.camera_position_world.xyz;
+            collect_sum(over, dot(from_camera, frame.forward_world.xyz));
+        } else {
+            light_over(over);
+        }
     } else {
         target_output = output_color(exposed_light);
     }

@@ -5,6 +5,7 @@
 #define SET_FRAME 0
 #define SET_MATERIAL 1
 #define SET_INPUTS 1
+#define SET_LAYERS 2
 
 // Bindings of SET_FRAME and SET_MATERIAL.
 #define BINDING_FRAME 0
@@ -42,6 +43,16 @@
 #define INPUT_LIGHT_WORD 10
 #define INPUT_LIGHT 11
 #define INPUT_SPECULAR_LIGHT 12
+#define INPUT_LAYER_0 20
+#define INPUT_LAYER_1 21
+#define INPUT_LAYER_2 22
+#define INPUT_LAYER_3 23
+#define INPUT_WEIGHTED_LIGHT 24
+#define INPUT_WEIGHTS 25
+#define INPUT_DEPTH_TEST 26
+#define INPUT_DEPTH_STENCIL_TEST 26
+#define INPUT_PEEL_A 26
+#define INPUT_PEEL_B 26
 
 // Vertex attribute locations.
 #define ATTRIBUTE_POSITION 0
@@ -74,6 +85,12 @@
 #define TARGET_SPECULAR_LIGHT 12
 #define TARGET_OUTPUT 13
 #define TARGET_BLOOM_LIGHT 14
+#define TARGET_LAYER_0 20
+#define TARGET_LAYER_1 21
+#define TARGET_LAYER_2 22
+#define TARGET_LAYER_3 23
+#define TARGET_WEIGHTED_LIGHT 24
+#define TARGET_WEIGHTS 25
 
 // Specialisation constant ids.
 #define ID_TEXTURE_COUNT 0
@@ -144,6 +161,10 @@
 #define ID_BLOOM_DISPLAYED 83
 #define ID_BLEND 90
 #define ID_TRANSLUCENCY 91
+#define ID_COLLECTED 92
+#define ID_LAYER_COUNT 93
+#define ID_LAYER_PAIRS 94
+#define ID_BEHIND_OPAQUE 95
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0
@@ -155,6 +176,11 @@
 #define FORM_METALLIC256 6
 #define FORM_SPECULAR256 7
 #define FORM_PACKED128 8
+
+// Values of the constant COLLECTED: how what is blended is collected before it is laid over the light.
+#define COLLECTED_NOT 0
+#define COLLECTED_LAYERS 1
+#define COLLECTED_SUM 2
 
 // Values of the constant NORMALS.
 #define NORMALS_FLOAT 0

@@ -8,7 +8,9 @@ use common::scenes;
 use ontile::glam::{Mat4, Vec3};
 use ontile::gpu::{Commands, Image, ImageDesc, OutputImage, Readback, Renderer, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::{Choice, Layout, Load, Needs, Options, OutputFormat, Plan, Seen, Strategy, Tonemap};
+use ontile::plan::{
+    Choice, Layout, Load, Needs, Options, OutputFormat, Plan, Seen, Strategy, Tonemap, Translucency,
+};
 use ontile::scene::{Camera, Projection, Scene};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -103,6 +105,23 @@ fn arrangements_do_not_change_the_pixels_of_any_gbuffer() {
             // It has no place for light that exists before lighting.
             let expected: &[&str] = if scene.name == "lights_only" { &[] } else { &["ontile64"] };
             assert_eq!(refused, expected, "{}", scene.name);
+        }
+    });
+}
+
+#[test]
+fn arrangements_do_not_change_the_pixels_of_any_translucency() {
+    on_device(None, |gpu| {
+        let scene = scenes::glass_scenes::glass_in_fog();
+        let layouts = [Layout::Packed128, Layout::Metallic256, Layout::Rasa128];
+        for (translucency, layout) in every(Translucency::ALL, &layouts) {
+            let options = Options { size: SIZE, layout, translucency, ..Options::default() };
+            let ordered = gpu.device().caps().limits().ordered_attachment_access;
+            if translucency == Translucency::Oit && !ordered {
+                common::ignored("no rasterization-order attachment access");
+                continue;
+            }
+            check_variants(gpu, &scene, &options);
         }
     });
 }

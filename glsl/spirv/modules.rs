@@ -2,6 +2,7 @@
 embed![
     "base.frag",
     "bloom.frag",
+    "composite.frag",
     "fog.frag",
     "fog_samples.frag",
     "forward.frag",
@@ -13,6 +14,7 @@ embed![
     "lighting.frag",
     "lighting_samples.frag",
     "mask.frag",
+    "peel.frag",
     "shadow.vert",
     "shadow_compose.frag",
     "sky.frag",

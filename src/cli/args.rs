@@ -135,6 +135,13 @@ pub struct PlanArgs {
     /// How lights reach pixels
     #[arg(long, value_name = "WAY", default_value_t = LightWay::Auto, value_parser = named(LightWay::ALL, LightWay::name))]
     pub lights: LightWay,
+    /// How blended materials come over each other: objects from far to near; layers sorted in each pixel; a mean by weight; or
+    /// each pixel's layers one after the other, exact and slow
+    #[arg(long, value_name = "WAY", default_value_t = Translucency::Sorted, value_parser = named(Translucency::ALL, Translucency::name))]
+    pub translucency: Translucency,
+    /// Layers of a pixel that oit keeps (1 to 4) or peeled draws (1 to 16) [default: 4, 8]
+    #[arg(long, value_name = "N")]
+    pub translucency_layers: Option<u32>,
     /// How many texels of the shadow map a pixel compares with: the nearest four; 3x3 or 5x5 samples over each light's
     /// spread; or a dozen on a disc that is turned by another angle in each pixel
     #[arg(long, value_name = "NAME", default_value_t = ShadowFilter::Grid3, value_parser = named(ShadowFilter::ALL, ShadowFilter::name))]
@@ -201,6 +208,8 @@ impl PlanArgs {
             depth_prepass: self.depth_prepass,
             illumination_sets: !self.no_illumination_sets,
             lights: self.lights,
+            translucency: self.translucency,
+            translucency_layers: self.translucency_layers,
             shadows: ShadowOptions {
                 filter: self.shadow_filter,
                 format: self.shadow_format,

@@ -72,6 +72,10 @@ pub enum Module {
     ShadowCompose,
     /// Lays fog over surfaces of the G-buffer.
     Fog,
+    /// Keeps blended surfaces that are before the last layer.
+    Peel,
+    /// Lays what was collected of blended surfaces over the light.
+    Composite,
     /// [`Self::Fog`] of several samples a pixel.
     FogSamples,
     /// Spreads light.
@@ -80,7 +84,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 21] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -99,6 +103,8 @@ impl Module {
         Self::LightingSamples,
         Self::TonemapSamples,
         Self::Fog,
+        Self::Peel,
+        Self::Composite,
         Self::FogSamples,
     ];
 
@@ -120,6 +126,8 @@ impl Module {
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
             Self::Fog | Self::FogSamples => "fog.frag",
+            Self::Peel => "peel.frag",
+            Self::Composite => "composite.frag",
             Self::Bloom => "bloom.frag",
         }
     }

@@ -9,7 +9,7 @@ use super::pipeline::Pipelines;
 use super::post::{PostPasses, PostTarget};
 use super::shader::shared;
 use super::{Device, Image, ImageDesc, Owned, conv};
-use crate::plan::{Format, Load, PassAttachment, Pipeline, Plan, check_size};
+use crate::plan::{Format, Load, PassAttachment, Plan, check_size};
 use crate::{Error, Result};
 
 /// A host's image that frames are drawn to: of the target's size, one sample, one level, of the format
@@ -172,16 +172,15 @@ impl OutputBuilder<'_> {
     ) -> Result<(Option<DescriptorSets>, Vec<Option<usize>>)> {
         let mut set_of_stage = vec![None; self.plan.stage_count()];
         let mut wanted = Vec::new();
-        for (index, (stage, pipeline)) in self.plan.pipelines.iter().enumerate() {
+        for (index, (stage, _)) in self.plan.pipelines.iter().enumerate() {
             // A stage's pipelines that read inputs read the same ones.
-            let reads =
-                !pipeline.is_of_surfaces() && !matches!(pipeline, Pipeline::LightMask(_) | Pipeline::Sky);
-            if !reads || set_of_stage[*stage].is_some() {
+            let Some(set) = self.pipelines.families[index].inputs_set() else { continue };
+            if set_of_stage[*stage].is_some() {
                 continue;
             }
             let family = self.pipelines.layout_of(index);
             set_of_stage[*stage] = Some(wanted.len());
-            wanted.push((family.sets[1].raw(), family.bindings[1].as_slice()));
+            wanted.push((family.sets[set].raw(), family.bindings[set].as_slice()));
         }
         let Some(sets) = DescriptorSets::new(self.device, &wanted, "input attachments")? else {
             return Ok((None, set_of_stage));

@@ -2,7 +2,7 @@
 
 use super::layout::{GBuffer, LightPlace};
 use super::shadow::{LEAST_TEXELS, MOST_TEXELS};
-use super::{LightWay, Limits, Needs, Options, Pass};
+use super::{LightWay, Limits, Needs, Options, Pass, Translucency};
 
 /// # Errors
 /// [`crate::Error::Unsupported`] if no image can have this size in pixels.
@@ -65,8 +65,44 @@ pub(super) fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) 
     Ok(())
 }
 
-/// Whether the light target holds what blending over a background takes.
-pub(super) fn check_blended(gbuffer: &GBuffer, needs: &Needs) -> crate::Result<()> {
+/// Whether what is blended can be drawn in the way asked for, and the light target holds what that takes.
+pub(super) fn check_blended(
+    gbuffer: &GBuffer,
+    needs: &Needs,
+    options: &Options,
+    limits: &Limits,
+) -> crate::Result<()> {
+    let most = match options.translucency {
+        Translucency::Oit => 4,
+        Translucency::Peeled => 16,
+        Translucency::Sorted | Translucency::Weighted if options.translucency_layers.is_some() => 0,
+        Translucency::Sorted | Translucency::Weighted => u32::MAX,
+    };
+    if !(1..=most).contains(&options.layers()) {
+        return Err(crate::Error::unsupported(
+            format!("translucency {} does not keep {} layers", options.translucency, options.layers()),
+            "choose 1 to 4 with --translucency oit, 1 to 16 with peeled, and leave --translucency-layers out else",
+        ));
+    }
+    if needs.blended.is_some() && options.samples > 1 && options.translucency != Translucency::Sorted {
+        return Err(crate::Error::unsupported(
+            format!(
+                "translucency {} keeps layers of pixels, not of {} samples each",
+                options.translucency, options.samples
+            ),
+            "use --translucency sorted, or --samples 1",
+        ));
+    }
+    if needs.blended.is_some()
+        && options.translucency == Translucency::Oit
+        && !limits.ordered_attachment_access
+    {
+        return Err(crate::Error::unsupported(
+            "translucency oit sorts layers in words that each fragment reads and writes; the device has no \
+             rasterization-order attachment access (VK_EXT_rasterization_order_attachment_access) for that",
+            "use --translucency weighted, which blends in any order, or sorted",
+        ));
+    }
     let has_alpha = gbuffer.added_light(true).is_none_or(|(light, _)| light.has_alpha());
     match (&needs.blended, needs.background) {
         (Some(blended), Some(_)) if !has_alpha => Err(crate::Error::unsupported(

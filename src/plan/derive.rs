@@ -194,6 +194,8 @@ fn subpass(
     attachments: &[PassAttachment],
     index_of: &dyn Fn(usize) -> usize,
 ) -> Subpass {
+    let clears = frame.clears.iter().filter(|(s, ..)| *s == stage);
+    let clears = clears.map(|&(_, resource, value)| (index_of(resource), value)).collect();
     let stage = &frame.stages[stage];
     let of = |wanted: &[Use]| -> Vec<usize> {
         stage.uses.iter().filter(|(_, how)| wanted.contains(how)).map(|(r, _)| index_of(*r)).collect()
@@ -243,8 +245,10 @@ fn subpass(
         inputs: of(&[Use::Read, Use::Modify]),
         depth_state: depth.map(state),
         depth,
+        tests_peeled: names(&[Use::DepthTest]).iter().any(|name| name.starts_with("peel")),
         depth_write: stage.uses.iter().any(|(_, how)| *how == Use::Depth),
         stencil: stage.uses.iter().any(|(_, how)| *how == Use::Stencil),
+        clears,
         preserve: live.iter().copied().filter(|&i| unused_here(&attachments[i])).collect(),
         live_color_bits: bits(false),
         live_depth_bits: bits(true),

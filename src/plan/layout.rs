@@ -322,6 +322,11 @@ impl GBuffer {
         Self { light: LightPlace::Added { sum: light, one_by_one: light, split }, ..self }
     }
 
+    /// Whether its targets are words, four in each.
+    pub(super) fn has_four_words(&self) -> bool {
+        self.surface.iter().any(|target| target.format == Format::Rgba32Uint)
+    }
+
     /// Whether later stages read the depth attachment itself.
     pub fn reads_depth_attachment(&self) -> bool {
         self.form.has_depth() && self.depth != DepthStore::R32f

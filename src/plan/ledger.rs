@@ -340,6 +340,13 @@ impl Plan {
             }
             P::Lighting => "lighting".into(),
             P::Fog => "fog".into(),
+            P::Composite => format!("composite, {}", self.options.translucency),
+            P::Peel { kind, first } => {
+                let flags = [(kind.double_sided, " +double-sided"), (kind.mirrored, " +mirrored")];
+                let before =
+                    if *first { "peel, before what is opaque" } else { "peel, before the last layer" };
+                flags.iter().filter(|(on, _)| *on).fold(before.into(), |text: String, (_, flag)| text + flag)
+            }
             P::Sky if self.has_gbuffer() => "sky".into(),
             P::Sky => format!("sky, {} curve", self.options.tonemap),
             P::LightMask(shape) => format!("light mask, {shape}"),

@@ -57,7 +57,7 @@ pub use lights::{ClusterBudget, VolumeShape};
 pub(crate) use names::named_enum;
 pub use names::{
     BloomWay, Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
-    ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
+    ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap, Translucency,
 };
 pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
@@ -170,7 +170,7 @@ impl Plan {
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
         let gbuffer = GBuffer::new(&options)?;
         let gbuffer = if needs.blended.is_some() { gbuffer.for_blending() } else { gbuffer };
-        check_blended(&gbuffer, &needs)?;
+        check_blended(&gbuffer, &needs, &options, limits)?;
         if path == Path::Deferred && needs.lit_opaque.is_some() {
             check_light(&gbuffer, &needs, &options, light_way, limits)?;
         }
@@ -266,8 +266,8 @@ impl Plan {
     }
 
     /// Whether the stage draws what is blended.
-    pub fn is_translucency(&self, stage: usize) -> bool {
-        self.subpass(stage).2.name == stage::TRANSLUCENCY
+    pub fn draws_blended(&self, stage: usize) -> bool {
+        self.pipelines.iter().any(|(s, pipeline)| *s == stage && pipeline.is_of_blended())
     }
 
     /// Samples a pixel of what a stage draws to.

@@ -300,3 +300,23 @@ named_enum! {
         Store = "store",
     }
 }
+
+named_enum! {
+    /// How surfaces that are blended come over each other.
+    #[derive(Default)]
+    Translucency {
+        /// Objects from far to near.
+        #[default]
+        Sorted = "sorted",
+        /// Each pixel keeps its nearest layers apart until all are drawn, whatever their order: multi-layer alpha blending (Salvi
+        /// and Vaidyanathan 2014) in words on the tile, by fragments that read what the one before has left
+        /// ([`Limits::ordered_attachment_access`](super::Limits)). Of more layers than fit the two farthest are merged.
+        Oit = "oit",
+        /// A mean of all layers, each weighted by its depth (McGuire and Bavoil 2013): blending does it, in any order, and none is
+        /// in front of another.
+        Weighted = "weighted",
+        /// Every layer of every pixel in its order, one after the other from the farthest (Everitt 2001, "Interactive
+        /// Order-Independent Transparency"): all that is blended is drawn twice for each. Slow and exact.
+        Peeled = "peeled",
+    }
+}

@@ -1,7 +1,7 @@
 //! Decisions that a reader may wonder about.
 
 use super::layout::{GBuffer, LightPlace, LightTarget, Tells};
-use super::{Attachment, Brdf, Format, LightFormat, LightWay, Needs, Options, Path, path};
+use super::{Attachment, Brdf, Format, LightFormat, LightWay, Needs, Options, Path, Translucency, path};
 
 /// What a plan tells besides what it consists of.
 pub(super) fn of(
@@ -13,7 +13,7 @@ pub(super) fn of(
     folded: bool,
 ) -> Vec<String> {
     let mut notes = Vec::new();
-    notes.extend(translucency(needs, gbuffer));
+    notes.extend(translucency(needs, options, gbuffer));
     if options.depth_prepass && needs.triangles <= 1 {
         notes.push("no triangle hides another: no depth test, so no depth pre-pass".into());
     }
@@ -72,11 +72,29 @@ pub(super) fn of(
 }
 
 /// What blended surfaces make of the frame.
-fn translucency(needs: &Needs, gbuffer: &GBuffer) -> Option<String> {
+fn translucency(needs: &Needs, options: &Options, gbuffer: &GBuffer) -> Option<String> {
     let (blended, (light, _)) = (needs.blended.as_ref()?, gbuffer.added_light(true)?);
+    let layers = options.layers();
+    let way = match options.translucency {
+        Translucency::Sorted => {
+            "objects from far to near by their centres, the triangles of one in the order of its mesh".into()
+        }
+        Translucency::Oit => format!(
+            "the {layers} nearest layers of each pixel are kept apart, in the G-buffer's place where it has words of that size; of \
+             more the farthest are merged"
+        ),
+        Translucency::Weighted => {
+            "a mean of its layers by weight, none of which is in front of another".into()
+        }
+        Translucency::Peeled => {
+            format!(
+                "the {layers} farthest layers of each pixel one after the other, all drawn twice for each"
+            )
+        }
+    };
     Some(format!(
-        "{blended} is blended: objects from far to near by their centres, the triangles of one in the order of its mesh; the light \
-         target is {}, since every layer over it is rounded; what is blended casts no shadow",
+        "{blended} is blended: {way}; the light target is {}, since every layer over it is rounded; what is blended casts no \
+         shadow",
         light.target.format
     ))
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{
     BloomWay, Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
-    ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
+    ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap, Translucency,
 };
 use crate::environment::TexelFormat;
 
@@ -95,6 +95,10 @@ pub struct Options {
     pub lightmap_format: TexelFormat,
     /// Why the G-buffer is what it is, where nobody named it ([`crate::measure::choose`]); the plan's notes begin with it.
     pub gbuffer_why: Vec<String>,
+    /// How what is blended comes over each other.
+    pub translucency: Translucency,
+    /// How many layers of a pixel are kept (oit: 1 to 4, by default 4) or peeled (1 to 16, by default 8).
+    pub translucency_layers: Option<u32>,
     /// Samples a pixel: 1, 2, 4 or 8, as the device allows.
     pub samples: u32,
     /// How they become one.
@@ -136,6 +140,8 @@ impl Default for Options {
             environment_format: TexelFormat::E5B9G9R9,
             lightmap_format: TexelFormat::E5B9G9R9,
             gbuffer_why: Vec::new(),
+            translucency: Translucency::Sorted,
+            translucency_layers: None,
             samples: 1,
             resolve: ResolveWay::Tonemapped,
             bloom: BloomWay::Off,
@@ -143,5 +149,13 @@ impl Default for Options {
             bloom_radius: 0.1,
             edge_filter: false,
         }
+    }
+}
+
+impl Options {
+    /// How many layers of a pixel what is blended is kept or peeled in.
+    pub fn layers(&self) -> u32 {
+        let default = if self.translucency == Translucency::Peeled { 8 } else { 4 };
+        self.translucency_layers.unwrap_or(default)
     }
 }

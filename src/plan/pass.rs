@@ -140,8 +140,14 @@ pub struct Subpass {
     pub depth_state: Option<State>,
     /// Whether it also writes depth.
     pub depth_write: bool,
+    /// Whether depth is that of a layer which was peeled: only that layer passes.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub tests_peeled: bool,
     /// Whether the stencil of the depth attachment is written and tested.
     pub stencil: bool,
+    /// What it sets to a value as it begins, as positions; all of it is colour outputs or depth.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub clears: Vec<(usize, [f32; 4])>,
     /// Not used here, but needed later.
     pub preserve: Vec<usize>,
     /// Colour bits a pixel that the tile must hold during this subpass.

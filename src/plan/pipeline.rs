@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::stage::{Frame, TRANSLUCENCY, Use};
+use super::stage::{FOG, Frame, LAYERS, PEEL, TRANSLUCENCY, Use};
 use super::{LightWay, Needs, SurfaceKind, VolumeShape, lights};
 
 /// A graphics pipeline that a frame needs.
@@ -30,18 +30,40 @@ pub enum Pipeline {
     Tonemap,
     /// Lays fog over what the G-buffer holds, before blended surfaces are drawn.
     Fog,
+    /// Finds the depth of the farthest blended surfaces that are before what was found last, as [`SurfaceKind::depth`] sorts
+    /// them.
+    Peel {
+        /// What they are.
+        kind: SurfaceKind,
+        /// Whether they are to be before what is opaque, not before another layer.
+        first: bool,
+    },
+    /// Blends what was collected of blended surfaces over the light.
+    Composite,
 }
 
 impl Pipeline {
     /// Whether it draws surfaces, not all pixels.
     pub fn is_of_surfaces(&self) -> bool {
-        matches!(self, Self::Surface(_) | Self::Depth(_) | Self::Light(_))
+        matches!(self, Self::Surface(_) | Self::Depth(_) | Self::Light(_) | Self::Peel { .. })
+    }
+
+    /// Whether it reads what its stage reads of attachments, and nothing of materials.
+    pub fn reads_attachments(&self) -> bool {
+        let whole = matches!(self, Self::Lighting | Self::Tonemap | Self::Fog | Self::Composite);
+        whole || matches!(self, Self::LightVolume(_) | Self::Peel { .. })
+    }
+
+    /// Whether it draws surfaces that are blended.
+    pub fn is_of_blended(&self) -> bool {
+        matches!(self, Self::Surface(kind) if kind.blend) || matches!(self, Self::Peel { .. })
     }
 
     /// Whether it draws surfaces of this kind.
     pub fn draws(&self, kind: &SurfaceKind) -> bool {
         match self {
             Self::Surface(own) | Self::Light(own) => own == kind,
+            Self::Peel { kind: own, .. } => kind.blend && *own == kind.depth(),
             Self::Depth(own) => !kind.blend && *own == kind.depth(),
             _ => false,
         }
@@ -65,12 +87,26 @@ pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pip
         stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
     let sky = needs.sky.then_some((surface, Pipeline::Sky));
-    let translucency = stage(TRANSLUCENCY).into_iter().flat_map(|s| {
-        let has_inputs = frame.stages[s].uses.iter().any(|(_, how)| *how == Use::Read);
-        let fog = (needs.fog.is_some() && has_inputs).then_some((s, Pipeline::Fog));
-        let blended = needs.kinds.iter().filter(|n| n.kind.blend);
-        fog.into_iter().chain(blended.map(move |n| (s, Pipeline::Surface(n.kind))))
-    });
+    let blended = || needs.kinds.iter().filter(|n| n.kind.blend);
+    let silhouettes: BTreeSet<_> = blended().map(|n| n.kind.depth()).collect();
+    let collected = stage(LAYERS).is_some();
+    let mut translucency = Vec::new();
+    for (s, at) in frame.stages.iter().enumerate() {
+        let reads = at.uses.iter().any(|(_, how)| *how == Use::Read);
+        match at.name {
+            FOG => translucency.push((s, Pipeline::Fog)),
+            TRANSLUCENCY if collected => translucency.push((s, Pipeline::Composite)),
+            TRANSLUCENCY | LAYERS => {
+                translucency.extend((reads && needs.fog.is_some()).then_some((s, Pipeline::Fog)));
+                translucency.extend(blended().map(|n| (s, Pipeline::Surface(n.kind))));
+            }
+            PEEL => {
+                let first = stage(PEEL) == Some(s);
+                translucency.extend(silhouettes.iter().map(|&kind| (s, Pipeline::Peel { kind, first })));
+            }
+            _ => {}
+        }
+    }
     let shaded = depths.chain(surfaces).chain(sky).chain(lights).chain(lighting);
     shaded.chain(translucency).chain(tonemap).collect()
 }

@@ -128,11 +128,15 @@ impl Plan {
         for (i, s) in pass.subpasses.iter().enumerate() {
             let list = |l: &[usize]| l.iter().map(|&i| name(i)).collect::<Vec<_>>().join(", ");
             writeln!(f, "  subpass {i} {}: {}", s.name, s.why)?;
+            if !s.clears.is_empty() {
+                let cleared: Vec<_> = s.clears.iter().map(|(i, _)| *i).collect();
+                writeln!(f, "      clears  {}", list(&cleared))?;
+            }
             if !s.inputs.is_empty() {
                 writeln!(f, "      reads   {}", list(&s.inputs))?;
             }
             let blend = match (s.blend, s.ordered) {
-                (true, _) if s.name == stage::TRANSLUCENCY => " (blended)",
+                (true, _) if [stage::TRANSLUCENCY, stage::FOG].contains(&s.name) => " (blended)",
                 (true, _) => " (added)",
                 (_, true) => " (each fragment over what it has read, in order)",
                 _ => "",

@@ -40,6 +40,32 @@ pub fn glass_alone() -> Scene {
     with_panes("glass_alone", dark)
 }
 
+/// Panes that cross each other in one line, before [`lights_only`]: no order of objects is right.
+pub fn crossing() -> Scene {
+    let mut scene = Scene { name: "crossing".into(), ..lights_only() };
+    let colors = [Vec3::new(0.9, 0.1, 0.1), Vec3::new(0.1, 0.8, 0.1), Vec3::new(0.1, 0.2, 0.9)];
+    for (i, color) in colors.into_iter().enumerate() {
+        let name = ["red", "green", "blue"][i];
+        let pane = Material { double_sided: true, ..tinted(name, color, 0.6) };
+        let turn = Mat4::from_rotation_y(0.5 + i as f32 * PI / 3.0);
+        add(&mut scene, self::pane(), pane, &[at(0.0, 0.7, 1.0) * turn * Mat4::from_scale(Vec3::splat(0.6))]);
+    }
+    scene
+}
+
+/// Seven panes behind each other.
+pub fn stacked() -> Scene {
+    let mut scene = Scene { name: "stacked".into(), ..lights_only() };
+    for i in 0..7_u8 {
+        let t = f32::from(i) / 6.0;
+        let color = Vec3::new(t, 0.5 - 0.4 * t, 1.0 - t);
+        let name = format!("sheet {i}");
+        let place = at(0.1 * t - 0.2, 0.7, 0.4 + 1.4 * t) * Mat4::from_scale(Vec3::splat(0.6 - 0.2 * t));
+        add(&mut scene, pane(), tinted(&name, color, 0.3), &[place]);
+    }
+    scene
+}
+
 /// A blended material.
 pub fn tinted(name: &str, base_color: Vec3, alpha: f32) -> Material {
     Material {

@@ -7,6 +7,7 @@ use ontile::measure::stored;
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{
     Brdf, DepthStore, Gamma, Layout, LightFormat, Needs, Normals, Options, OutputFormat, Path, Plan, Tonemap,
+    Translucency,
 };
 use ontile::reference::around::Method;
 use ontile::reference::{Settings, Stored};
@@ -42,6 +43,7 @@ pub struct Ask {
     pub exposure_ev: f32,
     pub output: OutputFormat,
     pub lightmap: TexelFormat,
+    pub translucency: Translucency,
 }
 
 impl Ask {
@@ -58,6 +60,7 @@ impl Ask {
         exposure_ev: 0.0,
         output: OutputFormat::Rgba32Float,
         lightmap: TexelFormat::E5B9G9R9,
+        translucency: Translucency::Sorted,
     };
 
     pub fn options(&self) -> Options {
@@ -73,6 +76,7 @@ impl Ask {
             tonemap: self.tonemap,
             output: self.output,
             lightmap_format: self.lightmap,
+            translucency: self.translucency,
             ..Options::default()
         }
     }

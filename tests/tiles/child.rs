@@ -7,7 +7,7 @@ use ontile::gpu::{
 };
 use ontile::plan::{
     Access, Adreno, Bins, BloomWay, DepthStore, Layout, LightWay, Limits, Needs, Options, Path as LightPath,
-    Plan, Store, Strategy,
+    Plan, Store, Strategy, Translucency,
 };
 use ontile::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -26,6 +26,7 @@ pub struct Case {
     pub strategy: Strategy,
     pub recycle: bool,
     pub bloom: BloomWay,
+    pub translucency: Translucency,
     pub fault: Option<Fault>,
     /// `RendererConfig::capture`.
     pub capture: bool,
@@ -78,6 +79,7 @@ impl Case {
             strategy: Strategy::Subpasses,
             recycle: true,
             bloom: BloomWay::Off,
+            translucency: Translucency::Sorted,
             fault: None,
             capture: false,
             stage_timestamps: false,
@@ -103,6 +105,7 @@ impl Case {
             depth_prepass: self.depth_prepass,
             recycle: self.recycle,
             bloom: self.bloom,
+            translucency: self.translucency,
             ..Options::default()
         };
         // What every Adreno of these generations allows.

@@ -11,7 +11,7 @@ mod common;
 use child::{Case, Fault, Told};
 use common::turnip::{self, Turnip};
 use ontile::measure::tiler::{TilerTrace, Verdict};
-use ontile::plan::{Bins, BloomWay, DepthStore, Layout, LightWay, Path as LightPath, Strategy};
+use ontile::plan::{Bins, BloomWay, DepthStore, Layout, LightWay, Path as LightPath, Strategy, Translucency};
 use serde_json::Value;
 use std::{path::Path, thread};
 
@@ -200,6 +200,17 @@ fn one_pass_stays_on_the_tile() {
         (3, Case { lights: LightWay::Volumes, ..Case::new(ALL_STAGES, Layout::Packed128) }),
         (3, Case { lights: LightWay::Stencil, ..Case::new(ALL_STAGES, Layout::Packed128) }),
         (3, Case { lights: LightWay::Volumes, ..Case::new("lights_only", Layout::Metallic256) }),
+        (4, metallic("glass")),
+        (4, metallic("glass_in_fog")),
+        (4, Case::new("glass", Layout::Packed128)),
+        (4, Case::new("glass_in_fog", Layout::Rasa128)),
+        (3, Case { path: LightPath::Forward, ..metallic("glass") }),
+        (2, metallic("glass_alone")),
+        (5, Case { translucency: Translucency::Oit, ..metallic("glass") }),
+        (5, Case { translucency: Translucency::Oit, ..Case::new("glass", Layout::Packed128) }),
+        (5, Case { translucency: Translucency::Oit, ..Case::new("glass", Layout::Metallic256) }),
+        (5, Case { translucency: Translucency::Weighted, ..metallic("glass") }),
+        (19, Case { translucency: Translucency::Peeled, ..metallic("glass") }),
     ];
     for (subpasses, case) in &cases {
         frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));

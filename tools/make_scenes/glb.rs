@@ -48,7 +48,10 @@ impl Glb {
     /// Adds a material.
     pub fn material(&mut self, m: &Material) -> usize {
         let mut pbr = Map::new();
-        pbr.insert("baseColorFactor".into(), numbers(m.base_color.extend(1.0).to_array()));
+        pbr.insert(
+            "baseColorFactor".into(),
+            numbers(m.base_color.extend(m.blend_alpha.unwrap_or(1.0)).to_array()),
+        );
         pbr.insert("metallicFactor".into(), number(m.metallic));
         pbr.insert("roughnessFactor".into(), number(m.roughness));
         self.slot(&mut pbr, "baseColorTexture", m.base_color_texture);
@@ -68,6 +71,9 @@ impl Glb {
         if let Some(cutoff) = m.alpha_cutoff {
             material.insert("alphaMode".into(), json!("MASK"));
             material.insert("alphaCutoff".into(), number(cutoff));
+        }
+        if m.blend_alpha.is_some() {
+            material.insert("alphaMode".into(), json!("BLEND"));
         }
         if m.double_sided {
             material.insert("doubleSided".into(), json!(true));

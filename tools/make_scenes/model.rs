@@ -36,6 +36,8 @@ pub struct Material {
     pub emissive_strength: f32,
     /// Discards what has less alpha.
     pub alpha_cutoff: Option<f32>,
+    /// Blended over what is behind, as much of it as this says.
+    pub blend_alpha: Option<f32>,
     pub double_sided: bool,
     /// KHR_materials_unlit.
     pub unlit: bool,
@@ -57,6 +59,7 @@ impl Default for Material {
             emissive_texture: None,
             emissive_strength: 1.0,
             alpha_cutoff: None,
+            blend_alpha: None,
             double_sided: false,
             unlit: false,
         }

@@ -46,6 +46,9 @@ impl Elements<'_> {
             "UNLIT" => is("unlit"),
             "VERTEX_COLOR" => format!("the mesh of {element} has vertex colours"),
             "EMISSIVE" => is("emissive"),
+            "COLLECTED" | "LAYER_COUNT" => format!("the option translucency is {}", options.translucency),
+            "LAYER_PAIRS" => format!("layers have the words of the G-buffer {}", options.layout),
+            "BEHIND_OPAQUE" => format!("the G-buffer {} has depth in the depth attachment", options.layout),
             "BLEND" => is("blended over what is behind it"),
             "TRANSLUCENCY" => {
                 self.plan.needs.blended.iter().map(|b| format!("{b} covers the background in part")).collect()

@@ -70,6 +70,8 @@ impl<'a> Elements<'a> {
                 let lit = plan.needs.lit_opaque.as_deref().unwrap_or_default();
                 format!("{lit} is lit by {}", self.light(|_| true))
             }
+            Pipeline::Peel { kind, .. } => self.need(|need| need.kind.blend && need.kind.depth() == *kind),
+            Pipeline::Composite => plan.subpass(*stage).2.why.clone(),
             Pipeline::Fog => {
                 let blended = plan.needs.blended.as_deref().unwrap_or_default();
                 format!("the scene has fog, and {blended} is blended over what is in it")

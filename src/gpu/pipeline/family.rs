@@ -15,6 +15,8 @@ use crate::plan::{Around, Brdf, Pipeline, Plan};
 pub(in crate::gpu) struct Family {
     frame: u32,
     second: SecondSet,
+    /// `SET_LAYERS`: input attachments beside a material.
+    layers: u32,
     /// Whether `LightPush` says which light it is.
     one_light: bool,
 }
@@ -91,6 +93,7 @@ impl Family {
             Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
             Pipeline::LightVolume(_) => lighting.chain([VOLUMES]).collect(),
             Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog => Vec::new(),
+            Pipeline::Peel { .. } | Pipeline::Composite => Vec::new(),
             Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
             Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting => lighting.collect(),
         };
@@ -115,24 +118,31 @@ impl Family {
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
             Pipeline::LightMask(_) | Pipeline::Sky => SecondSet::Nothing,
+            Pipeline::Peel { .. } if plan.subpass(stage).2.inputs.is_empty() => SecondSet::Nothing,
             Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
-            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap | Pipeline::Fog => {
-                SecondSet::Inputs {
-                    count: plan.subpass(stage).2.inputs.len() as u32,
-                    bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
-                }
-            }
+            Pipeline::Lighting
+            | Pipeline::LightVolume(_)
+            | Pipeline::Tonemap
+            | Pipeline::Fog
+            | Pipeline::Composite
+            | Pipeline::Peel { .. } => SecondSet::Inputs {
+                count: plan.subpass(stage).2.inputs.len() as u32,
+                bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
+            },
         };
         let one_light = matches!(pipeline, Pipeline::Light(_));
-        Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, one_light }
+        let subpass = plan.subpass(stage).2;
+        let layers =
+            if pipeline.is_of_blended() && subpass.ordered { subpass.inputs.len() as u32 } else { 0 };
+        Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, layers, one_light }
     }
 
     /// What a pass after the frame's own reads: bits of its samplers' bindings, and whether the camera.
     pub(in crate::gpu) fn of_post(bindings: u32, camera: bool) -> Self {
         let frame = if camera { 1 << FRAME } else { 0 };
-        Self { frame, second: SecondSet::Samplers { bindings }, one_light: false }
+        Self { frame, second: SecondSet::Samplers { bindings }, layers: 0, one_light: false }
     }
 
     /// Whether its pipelines are told a light by push constant.
@@ -145,14 +155,22 @@ impl Family {
         matches!(self.second, SecondSet::Material { .. })
     }
 
+    /// The number of the set that holds the stage's input attachments, if one does.
+    pub(in crate::gpu) fn inputs_set(self) -> Option<usize> {
+        match self.second {
+            SecondSet::Inputs { .. } => Some(1),
+            _ => (self.layers > 0).then_some(const { shared("SET_LAYERS") } as usize),
+        }
+    }
+
     /// The bindings of `SET_FRAME`: bit `n` is binding `n`. Families with the same ones share the set, and a set that is
     /// bound stays so while their pipelines take turns.
     pub(in crate::gpu) fn frame(self) -> u32 {
         self.frame
     }
 
-    /// The bindings of `SET_FRAME`, and of the second set.
-    pub(super) fn sets(self) -> [Vec<Binding>; 2] {
+    /// The bindings of `SET_FRAME`, of the second set, and of `SET_LAYERS`.
+    pub(super) fn sets(self) -> [Vec<Binding>; 3] {
         use vk::{DescriptorType as T, ShaderStageFlags as S};
         let in_frame = FRAME_BINDINGS.iter().filter(|(binding, ..)| self.frame & (1 << binding) != 0);
         let second = match self.second {
@@ -176,7 +194,9 @@ impl Family {
                 bound.map(|b| (b, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT)).collect()
             }
         };
-        [in_frame.map(|&(binding, ty, stages)| (binding, ty, 1, stages)).collect(), second]
+        let inputs = |count| (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT)).collect();
+        let frame = in_frame.map(|&(binding, ty, stages)| (binding, ty, 1, stages)).collect();
+        [frame, second, inputs(self.layers)]
     }
 }
 
@@ -184,7 +204,7 @@ impl Family {
 pub(in crate::gpu) struct FamilyLayout {
     pub(in crate::gpu) sets: Vec<Owned<vk::DescriptorSetLayout>>,
     pub(in crate::gpu) layout: Owned<vk::PipelineLayout>,
-    pub(in crate::gpu) bindings: [Vec<Binding>; 2],
+    pub(in crate::gpu) bindings: [Vec<Binding>; 3],
 }
 
 impl FamilyLayout {

@@ -5,7 +5,7 @@ use super::super::shader::{
     OutputConstants, SampleConstants, SkyConstants, Specialization, TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{Form, Pipeline, Plan, SurfaceKind, VolumeShape};
+use crate::plan::{Form, Format, Pipeline, Plan, SurfaceKind, VolumeShape};
 use crate::visible::ShadowShape;
 
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
@@ -36,6 +36,14 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
         Pipeline::LightVolume(shape) => (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape)),
         Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), Specialization::default()),
+        Pipeline::Composite => (Module::Fullscreen, Some(Module::Composite), Specialization::default()),
+        Pipeline::Peel { kind, first } => {
+            // The first has nothing behind it where nothing is opaque.
+            let opaque = plan.attachments.iter().find(|a| a.format.is_depth() && a.name.starts_with("depth"));
+            let fragment = (!first || opaque.is_some()).then_some(Module::Peel);
+            let behind_opaque = *first && opaque.is_some_and(|a| a.name.split('/').next() == Some("depth"));
+            (Module::GeometryVertex, fragment, surface(kind).and(Specialization::peel(behind_opaque)))
+        }
         Pipeline::Fog => (Module::Fullscreen, Some(Module::Fog), Specialization::default()),
     };
     let lighting = lighting_constants(plan, pipeline).specialization();
@@ -45,7 +53,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
     let samples = sample_constants(plan, pipeline).specialization();
     let fragment =
         fragment.map(|module| if plan.options.samples > 1 { module.multisampled() } else { module });
-    (vertex, fragment, samples.and(lighting).and(output).and(gbuffer).and(brdf).and(own))
+    let all = samples.and(lighting).and(output).and(gbuffer).and(brdf).and(own);
+    let all = match pipeline.is_of_blended() || *pipeline == Pipeline::Composite {
+        true => all.and(translucency_constants(plan)),
+        false => all,
+    };
+    (vertex, fragment, all)
 }
 
 fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
@@ -55,6 +68,11 @@ fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
         sample_depth: plan.has_gbuffer() && plan.gbuffer.reads_depth_attachment(),
         resolve: plan.options.resolve,
     }
+}
+
+fn translucency_constants(plan: &Plan) -> Specialization {
+    let pairs = plan.attachments.iter().any(|a| a.name.contains("layer_") && a.format == Format::Rgba32Uint);
+    Specialization::translucency(plan.options.translucency, plan.options.layers(), pairs)
 }
 
 fn gbuffer_constants(plan: &Plan) -> GBufferConstants {

@@ -20,7 +20,11 @@ pub(super) struct VertexInput {
 impl VertexInput {
     /// The attributes at these locations; others may be bound and are not read.
     pub(super) fn new(pipeline: &Pipeline, attributes: &BTreeSet<u32>) -> Result<Self> {
-        let (Pipeline::Surface(kind) | Pipeline::Light(kind) | Pipeline::Depth(kind)) = pipeline else {
+        let (Pipeline::Surface(kind)
+        | Pipeline::Light(kind)
+        | Pipeline::Depth(kind)
+        | Pipeline::Peel { kind, .. }) = pipeline
+        else {
             return Ok(Self::default());
         };
         let mut input = Self::default();
@@ -63,7 +67,12 @@ impl FixedState {
     pub(super) fn new(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
         let subpass = plan.subpass(stage).2;
         let cull = match pipeline {
-            Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) if !kind.double_sided => {
+            Pipeline::Surface(kind)
+            | Pipeline::Depth(kind)
+            | Pipeline::Light(kind)
+            | Pipeline::Peel { kind, .. }
+                if !kind.double_sided =>
+            {
                 vk::CullModeFlags::BACK
             }
             // The far side of a volume is there wherever the camera is, and covers each pixel once.
@@ -72,7 +81,12 @@ impl FixedState {
         };
         // Clip space has y down, so triangles that are counter-clockwise in the world stay so on the image.
         let front = match pipeline {
-            Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) if kind.mirrored => {
+            Pipeline::Surface(kind)
+            | Pipeline::Depth(kind)
+            | Pipeline::Light(kind)
+            | Pipeline::Peel { kind, .. }
+                if kind.mirrored =>
+            {
                 vk::FrontFace::CLOCKWISE
             }
             _ => vk::FrontFace::COUNTER_CLOCKWISE,
@@ -88,17 +102,21 @@ impl FixedState {
         let one = if matches!(pipeline, Pipeline::LightMask(_)) {
             vk::PipelineColorBlendAttachmentState::default()
         } else if subpass.blend {
-            // Over what is there, colours multiplied by alpha already; or added to it.
-            let kept = match pipeline {
-                Pipeline::Surface(_) | Pipeline::Fog => vk::BlendFactor::ONE_MINUS_SRC_ALPHA,
-                _ => vk::BlendFactor::ONE,
+            // Over what is there, colours multiplied by alpha already; or added to it; or summed, while alpha holds what is left of
+            // what is behind.
+            let sums = subpass.color_names.contains(&"weights");
+            let left = vk::BlendFactor::ONE_MINUS_SRC_ALPHA;
+            let [kept, alpha_kept] = match pipeline {
+                Pipeline::Surface(_) if sums => [vk::BlendFactor::ONE, left],
+                Pipeline::Surface(_) | Pipeline::Fog | Pipeline::Composite => [left; 2],
+                _ => [vk::BlendFactor::ONE; 2],
             };
             all.blend_enable(true)
                 .src_color_blend_factor(vk::BlendFactor::ONE)
                 .dst_color_blend_factor(kept)
                 .color_blend_op(vk::BlendOp::ADD)
-                .src_alpha_blend_factor(vk::BlendFactor::ONE)
-                .dst_alpha_blend_factor(kept)
+                .src_alpha_blend_factor(if sums { vk::BlendFactor::ZERO } else { vk::BlendFactor::ONE })
+                .dst_alpha_blend_factor(alpha_kept)
                 .alpha_blend_op(vk::BlendOp::ADD)
         } else {
             all
@@ -121,9 +139,13 @@ fn depth_stencil(subpass: &Subpass, pipeline: &Pipeline) -> vk::PipelineDepthSte
     match pipeline {
         // Surfaces whose depth is there already pass where they are what was found nearest.
         Pipeline::Surface(_) | Pipeline::Depth(_) | Pipeline::Light(_) => {
-            let found = !subpass.depth_write && !matches!(pipeline, Pipeline::Surface(kind) if kind.blend);
+            // What is blended is tested against what is opaque, or was peeled.
+            let blended = matches!(pipeline, Pipeline::Surface(kind) if kind.blend);
+            let found = !subpass.depth_write && (!blended || subpass.tests_peeled);
             test.depth_compare_op(if found { vk::CompareOp::EQUAL } else { vk::CompareOp::GREATER })
         }
+        // The farthest of what is left.
+        Pipeline::Peel { .. } => test.depth_compare_op(vk::CompareOp::LESS),
         // At the far plane: seen where nothing is before it.
         Pipeline::Sky => test.depth_write_enable(false).depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL),
         // A surface in front of the volume has both of its sides behind it, one behind the volume none, and one within

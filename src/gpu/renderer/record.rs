@@ -92,12 +92,41 @@ impl Frame<'_> {
     }
 
     fn draw_stage(&mut self, stage: usize) {
-        if self.renderer.plan.is_translucency(stage) {
+        self.clear_attachments(stage);
+        if self.renderer.plan.draws_blended(stage) {
             self.draw_whole(stage);
             self.draw_blended(stage);
         } else {
             self.draw_surfaces(stage);
             self.draw_whole(stage);
+        }
+    }
+
+    /// Clears what the stage begins with and the pass could not clear, since it held something else then.
+    fn clear_attachments(&self, stage: usize) {
+        let subpass = self.renderer.plan.subpass(stage).2;
+        let rect = vk::Rect2D { offset: vk::Offset2D::default(), extent: self.target.extent() };
+        let rect = vk::ClearRect { rect, base_array_layer: 0, layer_count: 1 };
+        for &(position, value) in &subpass.clears {
+            let location = subpass.colors.iter().position(|&color| color == position);
+            let clear = match location {
+                Some(location) => vk::ClearAttachment {
+                    aspect_mask: vk::ImageAspectFlags::COLOR,
+                    color_attachment: location as u32,
+                    // Words are cleared to 0, which has the same bits.
+                    clear_value: vk::ClearValue { color: vk::ClearColorValue { float32: value } },
+                },
+                None => vk::ClearAttachment {
+                    aspect_mask: vk::ImageAspectFlags::DEPTH,
+                    color_attachment: 0,
+                    clear_value: vk::ClearValue {
+                        depth_stencil: vk::ClearDepthStencilValue { depth: value[0], stencil: 0 },
+                    },
+                },
+            };
+            let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
+            // SAFETY: the subpass is being recorded, has this attachment, and the rectangle is the render area.
+            unsafe { device.cmd_clear_attachments(raw, &[clear], &[rect]) };
         }
     }
 
@@ -195,7 +224,13 @@ impl Frame<'_> {
             Some((same, layout)) if same == index => layout,
             _ => {
                 bound.material = None;
-                self.bind_pipeline(index)
+                let layout = self.bind_pipeline(index);
+                if let Some(set) = pipelines.families[index].inputs_set()
+                    && let Some(inputs) = self.target.inputs(self.output, stage)
+                {
+                    self.bind_set(layout, set as u32, inputs);
+                }
+                layout
             }
         };
         bound.pipeline = Some((index, layout));

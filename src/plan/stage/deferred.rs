@@ -159,7 +159,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
     frame.stages.extend([geometry, lighting]);
     // Of eight words the first four hold the position.
     let of_fog: Vec<_> = of_fog.into_iter().filter(|&r| frame.resources[r].name != "more_words").collect();
-    translucency::add(frame, asked, &lights_added, depth.resource, &of_fog);
+    translucency::add(frame, asked, &lights_added, depth, &of_fog);
     frame.stages.extend(tonemap);
     frame.folded = folded;
 }

@@ -14,7 +14,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, name: &'stati
         if asked.needs.opaque_triangles() > 0 || asked.needs.sky {
             frame.add_stage(name, [(light, Use::Write)].into_iter().chain(depth.drawn), why);
         }
-        translucency::add(frame, asked, &[light], depth.resource, &[]);
+        translucency::add(frame, asked, &[light], depth, &[]);
         let sum = "the tone curve is of what is blended".into();
         frame.add_stage("tonemap", [(Frame::OUTPUT, Use::Write), (light, Use::Read)], sum);
         return;
@@ -43,7 +43,7 @@ pub(super) fn add_multipass(frame: &mut Frame, asked: &Asked, depth: &Depth) {
     let each = format!("{}; each adds to the surfaces that it reaches", asked.lights());
     let test = depth.resource.map(|depth| (depth, Use::DepthTest));
     frame.add_stage("lights", [(light, Use::Blend)].into_iter().chain(test), each);
-    translucency::add(frame, asked, &[light], depth.resource, &[]);
+    translucency::add(frame, asked, &[light], depth, &[]);
     let sum = "light from several draws was summed".into();
     frame.add_stage("tonemap", [(Frame::OUTPUT, Use::Write), (light, Use::Read)], sum);
 }

@@ -8,7 +8,7 @@ mod samples;
 mod translucency;
 
 pub(super) use samples::add as multisample;
-pub use translucency::NAME as TRANSLUCENCY;
+pub use translucency::{FOG, LAYERS, NAME as TRANSLUCENCY, PEEL};
 
 use super::layout::{GBuffer, LightTarget, Target};
 use super::{Format, LightWay, Needs, Options, Path, ResolveWay};
@@ -88,6 +88,8 @@ pub struct Frame {
     pub stages: Vec<Stage>,
     /// Whether the stage that lights applies the tone curve itself.
     pub folded: bool,
+    /// Resources that a stage, by its number, sets to a value as it begins, since their attachments are used before.
+    pub clears: Vec<(usize, usize, [f32; 4])>,
 }
 
 impl Frame {
@@ -117,6 +119,7 @@ impl Frame {
             }],
             stages: Vec::new(),
             folded: false,
+            clears: Vec::new(),
         };
         let asked = Asked { needs, options, gbuffer, path, way, depth_stencil };
         let depth = depth::add(&mut frame, &asked);
