@@ -12,7 +12,7 @@ use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
     BloomWay, Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, Path,
-    ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
+    ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap, Translucency,
 };
 use ontile::scene::{Background, FogHeight, Scene};
 

@@ -3,6 +3,7 @@
 //! [`Module::ALL`] is the one list. `tools/shaders` compiles it into `glsl/spirv/`, this module embeds the result,
 //! and a test compares the two.
 
+mod collected;
 mod declared;
 mod numbers;
 mod places;

@@ -144,6 +144,9 @@ fn pass(
         });
     }
     touches.values().for_each(|touches| dependencies.cover(touches));
+    for touches in touches.values() {
+        dependencies.rearrange(frame, touches, frame.resources[touches[0].resource].format.is_depth());
+    }
     let index_of =
         |resource| attachments.iter().position(|a| a.attachment == place_of(resource)).unwrap_or(0);
     let subpasses = stages
@@ -314,6 +317,20 @@ impl Dependencies {
                     direct.before.extend(before);
                     direct.after.extend(Access::of(&b.uses));
                 }
+            }
+        }
+    }
+
+    /// Where a read follows a read, but in another state: the change between them is a write, and waits for the first.
+    fn rearrange(&mut self, frame: &Frame, touches: &[Touch], depth: bool) {
+        for pair in touches.windows(2).filter(|pair| !pair.iter().any(Touch::writes)) {
+            let [a, b] = [&pair[0], &pair[1]];
+            let ordered = self.0.contains_key(&(Some(a.subpass), Some(b.subpass)));
+            if State::of(&a.uses, depth) != State::of(&b.uses, depth) && !ordered {
+                let why =
+                    format!("{} is read, then read in another layout", frame.resources[b.resource].name);
+                let before = Access::of(&a.uses);
+                self.add(Some(a.subpass), Some(b.subpass), before, Access::of(&b.uses), why);
             }
         }
     }

@@ -168,7 +168,7 @@ prop_compose! {
             }
         }
         let stage = |s| Stage { name: "s", uses: uses.remove(&s).unwrap_or_default(), why: String::new() };
-        let mut frame = Frame { resources: all, stages: (0..stages).map(stage).collect(), folded: false };
+        let mut frame = Frame { resources: all, stages: (0..stages).map(stage).collect(), folded: false, clears: Vec::new() };
         super::stage::multisample(&mut frame, if multisampled { 4 } else { 1 });
         frame
     }

@@ -5,7 +5,6 @@ use glam::Vec3;
 use super::{KIND_COUNT, shared};
 use crate::plan::{
     Around, BloomWay, Brdf, DepthStore, Form, GBuffer, Gamma, Normals, ResolveWay, ShadowFilter, Tonemap,
-    Translucency,
 };
 use crate::scene::Fog;
 
@@ -43,26 +42,6 @@ impl Specialization {
         ])
     }
 
-    /// Constants of the modules that draw what is blended, or compose what is collected of it: the way, how many layers are kept,
-    /// and whether two of them share an attachment.
-    pub fn translucency(way: Translucency, layers: u32, pairs: bool) -> Self {
-        let collected = match way {
-            Translucency::Sorted | Translucency::Peeled => const { shared("COLLECTED_NOT") },
-            Translucency::Oit => const { shared("COLLECTED_LAYERS") },
-            Translucency::Weighted => const { shared("COLLECTED_SUM") },
-        };
-        Self::from_pairs(&[
-            (const { shared("ID_COLLECTED") }, collected),
-            (const { shared("ID_LAYER_COUNT") }, layers),
-            (const { shared("ID_LAYER_PAIRS") }, pairs.into()),
-        ])
-    }
-
-    /// The constant of [`super::Module::Peel`]: whether it reads the depth that lighting reads.
-    pub fn peel(behind_opaque: bool) -> Self {
-        Self::from_pairs(&[(const { shared("ID_BEHIND_OPAQUE") }, behind_opaque.into())])
-    }
-
     /// The constant of all modules that evaluate reflection.
     pub fn brdf(brdf: Brdf) -> Self {
         let value = match brdf {
@@ -73,7 +52,7 @@ impl Specialization {
         Self::from_pairs(&[(const { shared("ID_BRDF") }, value)])
     }
 
-    fn from_pairs(pairs: &[(u32, u32)]) -> Self {
+    pub(super) fn from_pairs(pairs: &[(u32, u32)]) -> Self {
         Self {
             ids: pairs.iter().map(|(id, _)| *id).collect(),
             data: pairs.iter().map(|(_, value)| *value).collect(),

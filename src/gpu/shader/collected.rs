@@ -1,0 +1,26 @@
+//! Specialisation constants of what collects blended surfaces.
+
+use super::{Specialization, shared};
+use crate::plan::Translucency;
+
+impl Specialization {
+    /// Constants of the modules that draw what is blended, or compose what is collected of it: the way, how many layers are kept,
+    /// and whether two of them share an attachment.
+    pub fn translucency(way: Translucency, layers: u32, pairs: bool) -> Self {
+        let collected = match way {
+            Translucency::Sorted | Translucency::Peeled => const { shared("COLLECTED_NOT") },
+            Translucency::Oit => const { shared("COLLECTED_LAYERS") },
+            Translucency::Weighted => const { shared("COLLECTED_SUM") },
+        };
+        Self::from_pairs(&[
+            (const { shared("ID_COLLECTED") }, collected),
+            (const { shared("ID_LAYER_COUNT") }, layers),
+            (const { shared("ID_LAYER_PAIRS") }, pairs.into()),
+        ])
+    }
+
+    /// The constant of [`super::Module::Peel`]: whether it reads the depth that lighting reads.
+    pub fn peel(behind_opaque: bool) -> Self {
+        Self::from_pairs(&[(const { shared("ID_BEHIND_OPAQUE") }, behind_opaque.into())])
+    }
+}
