@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::options::named_enum;
+use super::names::named_enum;
 
 named_enum! {
     /// What one pixel of an attachment looks like.

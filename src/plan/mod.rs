@@ -20,10 +20,13 @@ mod layout;
 mod ledger;
 mod lightmap;
 mod lights;
+mod names;
 mod needs;
 mod notes;
 mod options;
+mod pass;
 mod path;
+mod pipeline;
 mod print;
 mod shadow;
 mod shadow_report;
@@ -48,20 +51,21 @@ pub use ledger::{
 };
 pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};
+pub(crate) use names::named_enum;
+pub use names::{
+    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
+    ShadowFilter, ShadowFormat, Strategy, Tonemap,
+};
 pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
-pub(crate) use options::named_enum;
-pub use options::{
-    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, OutputUse, Path,
-    ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
-};
+pub use options::{Options, ShadowOptions};
+pub use pass::{Attachment, Dependency, Load, Pass, PassAttachment, Store, Subpass, Usage};
+pub use pipeline::Pipeline;
 pub use shadow::{
     CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, bias_texels, spread_texels,
 };
 pub(crate) use shadow_report::planned_bytes;
 pub use shadow_report::{ShadowFigures, ShadowLightReport, ShadowMapReport};
-
-use std::collections::BTreeSet;
 
 use serde::Serialize;
 
@@ -97,191 +101,6 @@ impl Default for Limits {
             depth_stencil: Format::D32FloatS8,
             gbuffer_on_chip: true,
             ordered_attachment_access: false,
-        }
-    }
-}
-
-/// A physical attachment.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Attachment {
-    /// The names of the resources that live in it, in order of lifetime, joined by `/`.
-    pub name: String,
-    /// How a pixel is stored.
-    pub format: Format,
-    /// What the channels hold, one entry a resource.
-    pub holds: Vec<&'static str>,
-    /// The value that clearing gives, if it is cleared.
-    pub clear: Option<[f32; 4]>,
-    /// The host's image.
-    pub is_output: bool,
-    /// Never loaded and never stored: needs no memory on a tiler.
-    pub transient: bool,
-    /// What it is used for.
-    pub usage: Usage,
-    /// First and last stage.
-    pub lifetime: (usize, usize),
-    /// What needs it, one entry a resource.
-    pub why: Vec<String>,
-}
-
-/// Uses of an attachment.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Usage {
-    /// Colour output.
-    pub color: bool,
-    /// Depth test.
-    pub depth: bool,
-    /// Input attachment.
-    pub input: bool,
-    /// Copied from.
-    pub copy_source: bool,
-    /// Colour output with fixed-function blending.
-    pub blend: bool,
-}
-
-/// What happens to an attachment's content when a pass begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Load {
-    /// Read from memory.
-    Load,
-    /// Set to the clear value, on the tile.
-    Clear,
-    /// Undefined.
-    DontCare,
-}
-
-/// What happens to an attachment's content when a pass ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Store {
-    /// Written to memory.
-    Store,
-    /// Dropped.
-    DontCare,
-}
-
-/// An attachment as one pass sees it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct PassAttachment {
-    /// Index into [`Plan::attachments`].
-    pub attachment: usize,
-    /// At the pass's begin.
-    pub load: Load,
-    /// At the pass's end.
-    pub store: Store,
-    /// The same for the stencil beside depth, if the format has one.
-    pub stencil: (Load, Store),
-    /// State before the pass.
-    pub initial: State,
-    /// State after the pass.
-    pub last: State,
-}
-
-/// One render pass.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Pass {
-    /// The stages' names joined by `+`.
-    pub name: String,
-    /// Attachments; subpasses refer to them by position here.
-    pub attachments: Vec<PassAttachment>,
-    /// In order of execution.
-    pub subpasses: Vec<Subpass>,
-    /// Between subpasses, and to the outside.
-    pub dependencies: Vec<Dependency>,
-}
-
-/// One subpass; all lists hold positions in [`Pass::attachments`].
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Subpass {
-    /// The stage's name.
-    pub name: &'static str,
-    /// Why it exists.
-    pub why: String,
-    /// What colour outputs are of, by location.
-    pub color_names: Vec<&'static str>,
-    /// By colour output location.
-    pub colors: Vec<usize>,
-    /// Whether colour outputs are added to what is there.
-    pub blend: bool,
-    /// Whether colour outputs are input attachments too, which each fragment finds as the one before it has left them.
-    pub ordered: bool,
-    /// The state that each colour output is in.
-    pub color_states: Vec<State>,
-    /// What input attachments are of, by index.
-    pub input_names: Vec<&'static str>,
-    /// By input attachment index.
-    pub inputs: Vec<usize>,
-    /// The state that each of them is in.
-    pub input_states: Vec<State>,
-    /// Depth test.
-    pub depth: Option<usize>,
-    /// The state that depth is in.
-    pub depth_state: Option<State>,
-    /// Whether it also writes depth.
-    pub depth_write: bool,
-    /// Whether the stencil of the depth attachment is written and tested.
-    pub stencil: bool,
-    /// Not used here, but needed later.
-    pub preserve: Vec<usize>,
-    /// Colour bits a pixel that the tile must hold during this subpass.
-    pub live_color_bits: u32,
-    /// Depth bits a pixel that the tile must hold during this subpass.
-    pub live_depth_bits: u32,
-}
-
-/// An execution and memory dependency.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Dependency {
-    /// Subpass that comes first; `None` is what happened before the pass.
-    pub from: Option<usize>,
-    /// Subpass that waits; `None` is what follows the pass.
-    pub to: Option<usize>,
-    /// What must be finished and visible.
-    pub before: Scope,
-    /// What waits for it.
-    pub after: Scope,
-    /// Only the same pixel matters: tilers may stay on the tile.
-    pub by_region: bool,
-    /// What orders them.
-    pub why: Vec<String>,
-}
-
-/// A graphics pipeline that a frame needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Pipeline {
-    /// Draws one kind of surface: into the G-buffer, or straight to the output where nothing is lit or all is lit at
-    /// once (the path `forward`).
-    Surface(SurfaceKind),
-    /// Draws the depth of surfaces, as [`SurfaceKind::depth`] sorts them.
-    Depth(SurfaceKind),
-    /// Adds what surfaces of a kind reflect of one light; drawn once for each light.
-    Light(SurfaceKind),
-    /// Draws the environment where no surface is.
-    Sky,
-    /// Shades the G-buffer by all lights, or, where those with a place are added one by one, by the others.
-    Lighting,
-    /// Marks in the stencil what is in a light's volume; for lights of one shape, each before it is added.
-    LightMask(VolumeShape),
-    /// Adds lights of one shape, each on what its volume holds.
-    LightVolume(VolumeShape),
-    /// Applies the tone curve.
-    Tonemap,
-}
-
-impl Pipeline {
-    /// Whether it draws surfaces, not all pixels.
-    pub fn is_of_surfaces(&self) -> bool {
-        matches!(self, Self::Surface(_) | Self::Depth(_) | Self::Light(_))
-    }
-
-    /// Whether it draws surfaces of this kind.
-    pub fn draws(&self, kind: &SurfaceKind) -> bool {
-        match self {
-            Self::Surface(own) | Self::Light(own) => own == kind,
-            Self::Depth(own) => *own == kind.depth(),
-            _ => false,
         }
     }
 }
@@ -343,7 +162,7 @@ impl Plan {
         check_counts(&passes, &options, limits)?;
         let (shadow_map, shadows_told) = ShadowMap::new(&needs.shadows, &options, limits);
         let around = around::images(&needs, &options);
-        let pipelines = pipelines(&frame, &needs, light_way);
+        let pipelines = pipeline::of(&frame, &needs, light_way);
         let folded = frame.folded;
         let mut notes = options.gbuffer_why.clone();
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
@@ -417,22 +236,4 @@ impl Plan {
             all.flat_map(|(p, pass)| pass.subpasses.iter().enumerate().map(move |(s, sub)| (p, s, sub)));
         flat.nth(stage).expect("stage index comes from this plan")
     }
-}
-
-fn pipelines(frame: &stage::Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pipeline)> {
-    let stage = |name| frame.stages.iter().position(|s| s.name == name);
-    let depths: BTreeSet<_> = needs.kinds.iter().map(|n| n.kind.depth()).collect();
-    let depths =
-        stage("depth").into_iter().flat_map(|s| depths.iter().map(move |&k| (s, Pipeline::Depth(k))));
-    let surface = stage("geometry").or(stage("forward")).unwrap_or(0);
-    let surfaces = needs.kinds.iter().map(|n| (surface, Pipeline::Surface(n.kind)));
-    let lights = stage("lights").into_iter().flat_map(|s| {
-        let lit = needs.kinds.iter().filter(|n| !n.kind.unlit);
-        lit.map(move |n| (s, Pipeline::Light(n.kind)))
-    });
-    let lighting =
-        stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
-    let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
-    let sky = needs.sky.then_some((surface, Pipeline::Sky));
-    depths.chain(surfaces).chain(sky).chain(lights).chain(lighting).chain(tonemap).collect()
 }

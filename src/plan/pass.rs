@@ -1,0 +1,151 @@
+//! Render passes: attachments, subpasses and what orders them.
+
+use serde::Serialize;
+
+use super::{Format, Scope, State};
+
+/// A physical attachment.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Attachment {
+    /// The names of the resources that live in it, in order of lifetime, joined by `/`.
+    pub name: String,
+    /// How a pixel is stored.
+    pub format: Format,
+    /// What the channels hold, one entry a resource.
+    pub holds: Vec<&'static str>,
+    /// The value that clearing gives, if it is cleared.
+    pub clear: Option<[f32; 4]>,
+    /// The host's image.
+    pub is_output: bool,
+    /// Never loaded and never stored: needs no memory on a tiler.
+    pub transient: bool,
+    /// What it is used for.
+    pub usage: Usage,
+    /// First and last stage.
+    pub lifetime: (usize, usize),
+    /// What needs it, one entry a resource.
+    pub why: Vec<String>,
+}
+
+/// Uses of an attachment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Usage {
+    /// Colour output.
+    pub color: bool,
+    /// Depth test.
+    pub depth: bool,
+    /// Input attachment.
+    pub input: bool,
+    /// Copied from.
+    pub copy_source: bool,
+    /// Colour output with fixed-function blending.
+    pub blend: bool,
+}
+
+/// What happens to an attachment's content when a pass begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Load {
+    /// Read from memory.
+    Load,
+    /// Set to the clear value, on the tile.
+    Clear,
+    /// Undefined.
+    DontCare,
+}
+
+/// What happens to an attachment's content when a pass ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Store {
+    /// Written to memory.
+    Store,
+    /// Dropped.
+    DontCare,
+}
+
+/// An attachment as one pass sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct PassAttachment {
+    /// Index into [`Plan::attachments`].
+    pub attachment: usize,
+    /// At the pass's begin.
+    pub load: Load,
+    /// At the pass's end.
+    pub store: Store,
+    /// The same for the stencil beside depth, if the format has one.
+    pub stencil: (Load, Store),
+    /// State before the pass.
+    pub initial: State,
+    /// State after the pass.
+    pub last: State,
+}
+
+/// One render pass.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Pass {
+    /// The stages' names joined by `+`.
+    pub name: String,
+    /// Attachments; subpasses refer to them by position here.
+    pub attachments: Vec<PassAttachment>,
+    /// In order of execution.
+    pub subpasses: Vec<Subpass>,
+    /// Between subpasses, and to the outside.
+    pub dependencies: Vec<Dependency>,
+}
+
+/// One subpass; all lists hold positions in [`Pass::attachments`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Subpass {
+    /// The stage's name.
+    pub name: &'static str,
+    /// Why it exists.
+    pub why: String,
+    /// What colour outputs are of, by location.
+    pub color_names: Vec<&'static str>,
+    /// By colour output location.
+    pub colors: Vec<usize>,
+    /// Whether colour outputs are added to what is there.
+    pub blend: bool,
+    /// Whether colour outputs are input attachments too, which each fragment finds as the one before it has left them.
+    pub ordered: bool,
+    /// The state that each colour output is in.
+    pub color_states: Vec<State>,
+    /// What input attachments are of, by index.
+    pub input_names: Vec<&'static str>,
+    /// By input attachment index.
+    pub inputs: Vec<usize>,
+    /// The state that each of them is in.
+    pub input_states: Vec<State>,
+    /// Depth test.
+    pub depth: Option<usize>,
+    /// The state that depth is in.
+    pub depth_state: Option<State>,
+    /// Whether it also writes depth.
+    pub depth_write: bool,
+    /// Whether the stencil of the depth attachment is written and tested.
+    pub stencil: bool,
+    /// Not used here, but needed later.
+    pub preserve: Vec<usize>,
+    /// Colour bits a pixel that the tile must hold during this subpass.
+    pub live_color_bits: u32,
+    /// Depth bits a pixel that the tile must hold during this subpass.
+    pub live_depth_bits: u32,
+}
+
+/// An execution and memory dependency.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Dependency {
+    /// Subpass that comes first; `None` is what happened before the pass.
+    pub from: Option<usize>,
+    /// Subpass that waits; `None` is what follows the pass.
+    pub to: Option<usize>,
+    /// What must be finished and visible.
+    pub before: Scope,
+    /// What waits for it.
+    pub after: Scope,
+    /// Only the same pixel matters: tilers may stay on the tile.
+    pub by_region: bool,
+    /// What orders them.
+    pub why: Vec<String>,
+}

@@ -1,0 +1,66 @@
+//! The graphics pipelines of a frame.
+
+use std::collections::BTreeSet;
+
+use serde::Serialize;
+
+use super::stage::Frame;
+use super::{LightWay, Needs, SurfaceKind, VolumeShape, lights};
+
+/// A graphics pipeline that a frame needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pipeline {
+    /// Draws one kind of surface: into the G-buffer, or straight to the output where nothing is lit or all is lit at
+    /// once (the path `forward`).
+    Surface(SurfaceKind),
+    /// Draws the depth of surfaces, as [`SurfaceKind::depth`] sorts them.
+    Depth(SurfaceKind),
+    /// Adds what surfaces of a kind reflect of one light; drawn once for each light.
+    Light(SurfaceKind),
+    /// Draws the environment where no surface is.
+    Sky,
+    /// Shades the G-buffer by all lights, or, where those with a place are added one by one, by the others.
+    Lighting,
+    /// Marks in the stencil what is in a light's volume; for lights of one shape, each before it is added.
+    LightMask(VolumeShape),
+    /// Adds lights of one shape, each on what its volume holds.
+    LightVolume(VolumeShape),
+    /// Applies the tone curve.
+    Tonemap,
+}
+
+impl Pipeline {
+    /// Whether it draws surfaces, not all pixels.
+    pub fn is_of_surfaces(&self) -> bool {
+        matches!(self, Self::Surface(_) | Self::Depth(_) | Self::Light(_))
+    }
+
+    /// Whether it draws surfaces of this kind.
+    pub fn draws(&self, kind: &SurfaceKind) -> bool {
+        match self {
+            Self::Surface(own) | Self::Light(own) => own == kind,
+            Self::Depth(own) => *own == kind.depth(),
+            _ => false,
+        }
+    }
+}
+
+/// Those that draw a frame, with the stage they belong to, in order of drawing.
+pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pipeline)> {
+    let stage = |name| frame.stages.iter().position(|s| s.name == name);
+    let depths: BTreeSet<_> = needs.kinds.iter().map(|n| n.kind.depth()).collect();
+    let depths =
+        stage("depth").into_iter().flat_map(|s| depths.iter().map(move |&k| (s, Pipeline::Depth(k))));
+    let surface = stage("geometry").or(stage("forward")).unwrap_or(0);
+    let surfaces = needs.kinds.iter().map(|n| (surface, Pipeline::Surface(n.kind)));
+    let lights = stage("lights").into_iter().flat_map(|s| {
+        let lit = needs.kinds.iter().filter(|n| !n.kind.unlit);
+        lit.map(move |n| (s, Pipeline::Light(n.kind)))
+    });
+    let lighting =
+        stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
+    let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
+    let sky = needs.sky.then_some((surface, Pipeline::Sky));
+    depths.chain(surfaces).chain(sky).chain(lights).chain(lighting).chain(tonemap).collect()
+}

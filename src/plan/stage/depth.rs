@@ -1,0 +1,61 @@
+//! The depth attachment, and the stage that fills it first where one does.
+
+use super::{Asked, Frame, Use};
+use crate::plan::layout::{Target, Tells};
+use crate::plan::{DepthStore, Format, LightWay, Path};
+
+/// The depth attachment, where a frame has one.
+pub(super) struct Depth {
+    /// Its resource.
+    pub(super) resource: Option<usize>,
+    /// How the stage that draws surfaces uses it.
+    pub(super) drawn: Option<(usize, Use)>,
+    /// Whether later stages read it as an input attachment.
+    pub(super) is_read: bool,
+}
+
+/// Adds them where something needs them.
+pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
+    let Asked { needs, options, gbuffer, path, way, depth_stencil } = *asked;
+    let one_by_one = way.is_one_by_one();
+    let before_sky = needs.sky && needs.triangles > 0;
+    let is_read = path == Path::Deferred && needs.lit.is_some() && gbuffer.reads_depth_attachment();
+    if !(needs.triangles > 1 || one_by_one || before_sky || is_read) {
+        return Depth { resource: None, drawn: None, is_read };
+    }
+    let stencil = way == LightWay::Stencil;
+    let target = Target {
+        name: match (is_read, stencil) {
+            (true, _) => "depth",
+            (false, true) => "depth_stencil_test",
+            (false, false) => "depth_test",
+        },
+        format: match gbuffer.depth {
+            _ if stencil => depth_stencil,
+            DepthStore::D24 if is_read => Format::D24Unorm,
+            DepthStore::D16 if is_read => Format::D16Unorm,
+            _ => Format::D32Float,
+        },
+        holds: match stencil {
+            true => "reversed device depth, 0 is far; stencil: surfaces in a light's volume",
+            false => "reversed device depth, 0 is far",
+        },
+        used_bits: if stencil { depth_stencil.bits() } else { 32 },
+        clear: Some([0.0; 4]),
+        tells: Tells::Position,
+    };
+    let mut why = Vec::new();
+    why.extend((needs.triangles > 1).then(|| format!("{} triangles hide each other", needs.triangles)));
+    why.extend(is_read.then(|| "lighting reads it".into()));
+    why.extend(one_by_one.then(|| "a light's volume is tested against it".into()));
+    why.extend(before_sky.then(|| "the sky is behind them".into()));
+    let depth = frame.add_target(&target, options.keep_gbuffer && is_read, why.join("; "));
+    let drawn = if options.depth_prepass {
+        let why = "what is nearest is found first, so that no pixel is shaded twice";
+        frame.add_stage("depth", [(depth, Use::Depth)], why.into());
+        Use::DepthTest
+    } else {
+        Use::Depth
+    };
+    Depth { resource: Some(depth), drawn: Some((depth, drawn)), is_read }
+}
