@@ -3,6 +3,7 @@
 use super::caps::{Caps, lazy_types, types_with};
 use super::headless::OwnedDevice;
 use super::owned::{Counters, Live};
+use super::rendering::RenderingCalls;
 use crate::{Error, Result};
 use ash::vk::{self, Handle};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -50,6 +51,9 @@ pub struct Features {
     /// `rasterizationOrderColorAttachmentAccess` of VK_EXT_rasterization_order_attachment_access or of Arm's original: layouts
     /// that hold light in words want it where lights are added one by one.
     pub ordered_attachment_access: bool,
+    /// `dynamicRenderingLocalRead` and `dynamicRendering`, of VK_KHR_dynamic_rendering_local_read and VK_KHR_dynamic_rendering or
+    /// of Vulkan 1.4, and `independentBlend`: the strategy local-read wants them.
+    pub local_read: bool,
 }
 
 /// A Vulkan device and what is needed to use it. Clones are cheap and share everything.
@@ -68,6 +72,7 @@ struct Shared {
     queue: Mutex<vk::Queue>,
     callbacks: Option<vk::AllocationCallbacks<'static>>,
     debug_utils: Option<ash::ext::debug_utils::Device>,
+    rendering_calls: Option<RenderingCalls>,
     features: Features,
     caps: Caps,
     memory: vk::PhysicalDeviceMemoryProperties,
@@ -79,7 +84,7 @@ impl Device {
     /// Uses a host engine's device.
     ///
     /// # Errors
-    /// [`Error::Vulkan`] if the allocator cannot be made.
+    /// [`Error::Unsupported`] if the allocator cannot be made, or a function of a feature is missing.
     ///
     /// # Safety
     /// The handles belong together, the features named are enabled, and the host keeps all of it alive until
@@ -103,6 +108,11 @@ impl Device {
         };
         let debug_utils =
             host.features.debug_utils.then(|| ash::ext::debug_utils::Device::new(&instance, &device));
+        let rendering_calls = host.features.local_read.then(|| {
+            // SAFETY: the caller's promise.
+            unsafe { RenderingCalls::load(&instance, device.handle()) }
+        });
+        let rendering_calls = rendering_calls.transpose()?;
         let shared = Shared {
             allocator,
             instance,
@@ -112,6 +122,7 @@ impl Device {
             queue: Mutex::new(queue),
             callbacks,
             debug_utils,
+            rendering_calls,
             features: host.features,
             caps,
             memory,
@@ -178,6 +189,11 @@ impl Device {
 
     pub(crate) fn debug_utils(&self) -> Option<&ash::ext::debug_utils::Device> {
         self.shared.debug_utils.as_ref()
+    }
+
+    /// What renderings are recorded with, where local reads are enabled.
+    pub(crate) fn rendering_calls(&self) -> Option<&RenderingCalls> {
+        self.shared.rendering_calls.as_ref()
     }
 
     pub(crate) fn callbacks(&self) -> Option<&vk::AllocationCallbacks<'static>> {

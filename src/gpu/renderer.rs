@@ -8,14 +8,13 @@ use ash::vk;
 use glam::Mat4;
 
 use super::fragments::{DrawCount, FragmentQueries};
-use super::pass::create_render_pass;
+use super::pass::VulkanPass;
 use super::pipeline::Pipelines;
 use super::scene_data::SceneData;
 use super::shadow::{RecordedShadows, ShadowResources, Shadows};
 use super::target::check_formats;
 use super::{
-    Device, Image, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View,
-    conv,
+    Device, Image, OutputImage, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
 use crate::plan::{FrameCounts, Needs, Plan, State};
 use crate::scene::{Light, Scene};
@@ -76,8 +75,8 @@ pub struct Renderer {
     shadows: Option<Shadows>,
     scene: SceneData,
     pipelines: Pipelines,
-    /// Shared with the targets: their framebuffers are of these passes.
-    passes: Arc<[Owned<vk::RenderPass>]>,
+    /// Shared with the targets, which are of these passes.
+    passes: Arc<[VulkanPass]>,
     plan: Plan,
     config: RendererConfig,
     device: Device,
@@ -120,7 +119,7 @@ impl Renderer {
         let passes = plan
             .passes
             .iter()
-            .map(|pass| create_render_pass(device, &plan, pass))
+            .map(|pass| VulkanPass::new(device, &plan, pass))
             .collect::<Result<Arc<[_]>>>()?;
         let pipelines = Pipelines::new(device, &plan, &passes, cache)?;
         let mut upload = Upload::new(device);

@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Format, Plan, Store};
+use super::{Format, Plan, Store, Strategy};
 
 /// An Adreno GPU, as far as bins depend on it (freedreno_devices.py; memory: the driver's kernel interface).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -143,9 +143,17 @@ fn planes(attachments: &[Occupancy]) -> Vec<u32> {
 }
 
 impl Plan {
-    /// How the attachments of a pass, in its order, occupy tile memory.
+    /// How the attachments of a pass, in the driver's order, occupy tile memory: those of a render pass in its order, those of a
+    /// rendering from begin to end, depth last.
     pub fn occupancy(&self, pass: usize) -> Vec<Occupancy> {
         let pass = &self.passes[pass];
+        if self.strategy == Strategy::LocalRead {
+            let formats = pass.attachments.iter().map(|a| self.attachments[a.attachment].format);
+            let (depth, colors): (Vec<_>, Vec<_>) = formats.partition(|f| f.is_depth());
+            let subpasses = [0, pass.subpasses.len() - 1];
+            let all = colors.into_iter().chain(depth);
+            return all.map(|format| Occupancy { format, subpasses }).collect();
+        }
         let attachments = pass.attachments.iter().enumerate();
         attachments
             .map(|(index, used)| {

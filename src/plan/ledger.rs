@@ -89,6 +89,9 @@ pub struct PassReport {
     pub subpasses: Vec<SubpassReport>,
     /// Between subpasses, and to the outside.
     pub dependencies: Vec<super::Dependency>,
+    /// By barriers before and after it: of a rendering; a render pass has none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub transitions: Vec<super::Transition>,
 }
 
 /// Sums over a frame.
@@ -154,6 +157,8 @@ pub struct Report {
     pub options: Options,
     /// What the scene needs.
     pub needs: Needs,
+    /// How stages became passes: never "auto".
+    pub strategy: super::Strategy,
     /// Physical attachments.
     pub attachments: Vec<AttachmentReport>,
     /// Render passes.
@@ -234,6 +239,7 @@ impl Plan {
             scene: scene.name.clone(),
             options: self.options.clone(),
             needs: self.needs.clone(),
+            strategy: self.strategy,
             attachments: attachments.collect(),
             passes: self.passes.iter().map(|p| self.pass_report(p)).collect(),
             shadow_map,
@@ -271,6 +277,7 @@ impl Plan {
             name: pass.name.clone(),
             subpasses: subpasses.collect(),
             dependencies: pass.dependencies.clone(),
+            transitions: pass.enter.iter().chain(&pass.leave).cloned().collect(),
         }
     }
 

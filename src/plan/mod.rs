@@ -28,9 +28,11 @@ mod pass;
 mod path;
 mod pipeline;
 mod print;
+mod rendering;
 mod shadow;
 mod shadow_report;
 mod stage;
+mod strategy;
 mod targets;
 #[cfg(test)]
 mod tests;
@@ -59,13 +61,14 @@ pub use names::{
 pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub use options::{Options, ShadowOptions};
-pub use pass::{Attachment, Dependency, Load, Pass, PassAttachment, Store, Subpass, Usage};
+pub use pass::{Attachment, Dependency, Load, Pass, PassAttachment, Store, Subpass, Transition, Usage};
 pub use pipeline::Pipeline;
 pub use shadow::{
     CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, bias_texels, spread_texels,
 };
 pub(crate) use shadow_report::planned_bytes;
 pub use shadow_report::{ShadowFigures, ShadowLightReport, ShadowMapReport};
+pub use strategy::Merging;
 
 use serde::Serialize;
 
@@ -88,6 +91,8 @@ pub struct Limits {
     /// (VK_EXT_rasterization_order_attachment_access). Mesa's Turnip keeps such passes on the tile; on Adreno 6xx it draws that
     /// subpass in its single-primitive mode, which waits where primitives overlap.
     pub ordered_attachment_access: bool,
+    /// What the driver makes of each [`Strategy`].
+    pub merging: Merging,
 }
 
 impl Default for Limits {
@@ -101,6 +106,7 @@ impl Default for Limits {
             depth_stencil: Format::D32FloatS8,
             gbuffer_on_chip: true,
             ordered_attachment_access: false,
+            merging: Merging::default(),
         }
     }
 }
@@ -122,6 +128,8 @@ pub struct Plan {
     pub around: Vec<AroundImage>,
     /// What a G-buffer of this plan consists of, whether or not the path has one.
     pub gbuffer: GBuffer,
+    /// How stages became passes: never [`Strategy::Auto`].
+    pub strategy: Strategy,
     /// The path taken: never [`Path::Auto`]. Without lit surfaces they are all the same.
     pub path: Path,
     /// Whether the stage that lights applies the tone curve itself, so that there is no light target.
@@ -145,11 +153,29 @@ impl Plan {
     /// [`crate::Error::Unsupported`] if the limits do not allow the layout or the size, or if the options contradict
     /// each other.
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
+        let (strategy, why) = strategy::resolve(&options, limits)?;
+        let is_best = options.strategy == Strategy::Auto && strategy != Strategy::Subpasses;
+        match Self::by(strategy, why, needs.clone(), options.clone(), limits) {
+            Err(error) if is_best => {
+                let why = format!("strategy: subpasses, since {strategy} does not go: {error}");
+                Self::by(Strategy::Subpasses, Some(why), needs, options, limits)
+            }
+            made => made,
+        }
+    }
+
+    fn by(
+        strategy: Strategy,
+        strategy_why: Option<String>,
+        needs: Needs,
+        options: Options,
+        limits: &Limits,
+    ) -> crate::Result<Self> {
         check_size(options.size, limits)?;
         check_dither(&options)?;
         check_shadows(&options)?;
         around::check(&needs)?;
-        let (path, path_why) = path::resolve(&needs, &options, limits)?;
+        let (path, path_why) = path::resolve(&needs, &options, strategy, limits)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
         let gbuffer = GBuffer::new(&options)?;
         if path == Path::Deferred && needs.lit.is_some() {
@@ -157,15 +183,16 @@ impl Plan {
         }
         let frame = stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil);
         let places = derive::place(&frame, &options);
-        let passes = derive::passes(&frame, &places, &options);
+        let passes = derive::passes(&frame, &places, &options, strategy);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
-        check_counts(&passes, &options, limits)?;
+        check_counts(&passes, &attachments, strategy, &options, limits)?;
         let (shadow_map, shadows_told) = ShadowMap::new(&needs.shadows, &options, limits);
         let around = around::images(&needs, &options);
         let pipelines = pipeline::of(&frame, &needs, light_way);
         let folded = frame.folded;
         let mut notes = options.gbuffer_why.clone();
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
+        notes.extend(strategy_why);
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
@@ -181,6 +208,7 @@ impl Plan {
             pipelines,
             around,
             gbuffer,
+            strategy,
             path,
             folded,
             light_way,
