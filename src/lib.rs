@@ -49,7 +49,7 @@
 //! - Load and store operations, lifetimes, transience and dependencies follow from who reads and who writes what.
 //! - Reports come from the structs that the Vulkan objects were made from. Every figure says whether it was planned,
 //!   modelled, or told by a driver.
-//! - One plan runs as subpasses or as separate passes, with attachments shared or not, and gives the same pixels.
+//! - One plan runs as subpasses, as one rendering with local reads or as separate passes, with attachments shared or not, and gives the same pixels.
 //!
 //! # Conventions
 //!

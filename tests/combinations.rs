@@ -75,6 +75,11 @@ fn chosen_scenes() -> Vec<Scene> {
 /// Draws the combinations; returns how many there were, and how many were refused.
 fn draw(gpu: &Gpu<'_>) -> [usize; 2] {
     let limits = gpu.device().caps().limits();
+    if limits.merging.local_read.is_ok() {
+        // Layers of 1.4 (seen with 309 and 363; 1.3.239 does not) report a hazard where a subpass depends on two earlier ones, of
+        // which the nearer orders an attachment that the other wrote. Render passes are watched by the other tests.
+        gpu.excuse(" in subpass 2");
+    }
     let (scenes, choices) = (chosen_scenes(), choices(&limits));
     let counts: Vec<_> =
         std::iter::once(scenes.len()).chain(choices.iter().map(|c| c.values.len())).collect();

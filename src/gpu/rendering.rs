@@ -316,3 +316,42 @@ fn transition(
     // SAFETY: the images are alive, and the command buffer is outside of a pass.
     unsafe { device.cmd_pipeline_barrier(recorder.raw(), before, after, flags, &[], &[], barriers) };
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{Limits, Merging, Needs, Options, Strategy};
+    use crate::scene::Scene;
+
+    #[test]
+    fn stages_write_read_and_wait_for_what_the_plan_says() {
+        let lamps = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/lamps.glb");
+        let merging = Merging { local_read: Ok(()), ..Merging::default() };
+        let options = Options { strategy: Strategy::LocalRead, ..Options::default() };
+        let limits = Limits { merging, ..Limits::default() };
+        let plan = Plan::new(Needs::of(&Scene::load(&lamps).unwrap()), options, &limits).unwrap();
+        let pass = &plan.passes[0];
+        let is_depth = |i: &usize| plan.attachments[pass.attachments[*i].attachment].format.is_depth();
+        let (depth, colors): (Vec<_>, Vec<_>) = (0..pass.attachments.len()).partition(is_depth);
+        for (index, subpass) in pass.subpasses.iter().enumerate() {
+            let stage = RenderingStage::new(pass, index, &colors, depth.first().copied());
+            let at = |places: &[u32], wanted: usize| {
+                let place = places.iter().position(|&place| place as usize == wanted);
+                place.map(|place| colors[place])
+            };
+            for (location, &color) in subpass.colors.iter().enumerate() {
+                assert_eq!(at(&stage.locations, location), Some(color));
+            }
+            for (input, &read) in subpass.inputs.iter().enumerate() {
+                assert!(at(&stage.inputs, input) == Some(read) || stage.depth_input as usize == input);
+            }
+            let used =
+                |places: &[u32]| places.iter().filter(|&&place| place != vk::ATTACHMENT_UNUSED).count();
+            assert_eq!(used(&stage.locations), subpass.colors.len());
+            let waits = pass.dependencies.iter().filter(|d| d.to == Some(index)).count();
+            assert_eq!((stage.waits.len(), index > 0), (waits, waits > 0));
+            assert!(stage.waits.iter().all(|wait| wait.flags == vk::DependencyFlags::BY_REGION));
+        }
+        assert_eq!(pass.subpasses.len(), 3);
+    }
+}

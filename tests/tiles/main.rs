@@ -280,12 +280,10 @@ fn wrong_dependencies_are_found_out() {
         frame.expect_objection("\"normal_roughness\" commits");
         assert_eq!(frame.told.messages, Vec::<String>::new());
     });
-    // Of a rendering the layer sees it: its barriers are commands.
+    // Of a rendering the layer sees it: its barriers are commands. (A barrier that is missing there nobody sees: the layer does
+    // not follow input attachments into renderings. Tests of the plan have to do.)
     frames(&turnip, &local_read(spoilt(Fault::NotByRegion)), |_, frame| {
         frame.expect_objection("VUID-vkCmdPipelineBarrier-dependencyFlags-07891");
-    });
-    frames(&turnip, &local_read(spoilt(Fault::DependencyDropped)), |_, frame| {
-        frame.expect_objection("SYNC-HAZARD");
     });
     // What only validation sees: the driver tiles and does the wrong thing fast.
     frames(&turnip, &spoilt(Fault::StoreNotCovered), |_, frame| {
