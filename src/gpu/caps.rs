@@ -54,6 +54,8 @@ pub struct Caps {
     pub optimal_buffer_copy_offset_alignment: u64,
     /// `maxSamplerAnisotropy`; 1 without the feature.
     pub max_sampler_anisotropy: f32,
+    /// `subPixelPrecisionBits`: vertices are rounded to this many binary places of a pixel.
+    pub sub_pixel_precision_bits: u32,
     /// Sample counts that colour, depth and input attachments all support.
     pub sample_counts: Vec<u32>,
     /// Nanoseconds per timestamp step.
@@ -217,6 +219,7 @@ impl Caps {
             min_uniform_buffer_offset_alignment: limits.min_uniform_buffer_offset_alignment,
             min_storage_buffer_offset_alignment: limits.min_storage_buffer_offset_alignment,
             optimal_buffer_copy_offset_alignment: limits.optimal_buffer_copy_offset_alignment,
+            sub_pixel_precision_bits: limits.sub_pixel_precision_bits,
             max_sampler_anisotropy: match features.sampler_anisotropy {
                 vk::TRUE => limits.max_sampler_anisotropy,
                 _ => 1.0,
