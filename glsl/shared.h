@@ -130,6 +130,11 @@
 #define ID_GBUFFER 64
 #define ID_BRDF 65
 #define ID_LIGHT_ADDED 66
+#define ID_SAMPLE_COUNT 67
+#define ID_PER_SAMPLE 68
+#define ID_SAMPLE_DEPTH 69
+#define ID_RESOLVE_PLAIN 70
+#define ID_FLOAT_OUTPUT 71
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0

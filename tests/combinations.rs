@@ -11,7 +11,9 @@ use common::pairs::pairwise;
 use common::render::{Gpu, difference, on_device};
 use common::scenes;
 use ontile::Error;
-use ontile::plan::{Layout, LightWay, Limits, Needs, Options, OutputFormat, Path, Plan, Strategy, Tonemap};
+use ontile::plan::{
+    Layout, LightWay, Limits, Needs, Options, OutputFormat, Path, Plan, ResolveWay, Strategy, Tonemap,
+};
 use ontile::scene::Scene;
 
 const SIZE: [u32; 2] = [96, 54];
@@ -54,6 +56,8 @@ fn choices(limits: &Limits) -> Vec<Choice> {
         choice("layout", false, Layout::ALL, |o, v| o.layout = v),
         choice("lights", false, &ways, |o, v| o.lights = v),
         choice("path", false, &paths, |o, v| o.path = v),
+        choice("samples", false, &[1, 4], |o, v| o.samples = v),
+        choice("resolve", false, ResolveWay::ALL, |o, v| o.resolve = v),
         choice("fold", false, &[true, false], |o, v| o.fold = v),
         choice("output", false, OutputFormat::ALL, |o, v| o.output = v),
         choice("tonemap", false, Tonemap::ALL, |o, v| o.tonemap = v),

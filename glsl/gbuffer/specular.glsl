@@ -13,7 +13,7 @@ void write_specular(Surface surface) {
 
 Surface read_specular() {
     Surface surface = read_metallic();
-    surface.f0 = decode_color(subpassLoad(input_specular).rgb);
+    surface.f0 = decode_color(input_load(input_specular).rgb);
     return surface;
 }
 

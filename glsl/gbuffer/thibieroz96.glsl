@@ -21,9 +21,9 @@ void write_thibieroz96(Surface surface, vec3 base_color) {
 #else
 
 Surface read_thibieroz96() {
-    vec4 base = subpassLoad(input_base_metallic);
-    vec3 normal = vec3(subpassLoad(input_normal_xy).xy, base.a);
-    vec3 position = vec3(subpassLoad(input_position).xy, subpassLoad(input_position_z).x);
+    vec4 base = input_load(input_base_metallic);
+    vec3 normal = vec3(input_load(input_normal_xy).xy, base.a);
+    vec3 position = vec3(input_load(input_position).xy, input_load(input_position_z).x);
     return Surface(
         position, normal != vec3(0.0), unit(normal * 2.0 - 1.0), THIBIEROZ_ROUGHNESS, decode_color(base.rgb),
         vec3(DIELECTRIC_F0));

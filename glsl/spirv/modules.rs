@@ -8,10 +8,12 @@ embed![
     "light.frag",
     "light_volume.vert",
     "lighting.frag",
+    "lighting_samples.frag",
     "mask.frag",
     "shadow.vert",
     "shadow_compose.frag",
     "sky.frag",
     "tonemap.frag",
+    "tonemap_samples.frag",
     "unlit.frag",
 ]

@@ -55,8 +55,14 @@ pub fn run(args: &PlanCommandArgs) -> ontile::Result<()> {
     scene::tell_idle_flags(&scene, &args.plan);
     // No device is asked: the picture's size is its only limit that may go beyond the guaranteed ones.
     let merging = Merging { local_read: Ok(()), ..Merging::default() };
-    let limits =
-        Limits { max_image_size: u32::MAX, ordered_attachment_access: true, merging, ..Limits::default() };
+    let limits = Limits {
+        max_image_size: u32::MAX,
+        ordered_attachment_access: true,
+        merging,
+        sample_counts: 1 | 2 | 4 | 8,
+        word_sample_counts: 1 | 2 | 4 | 8,
+        ..Limits::default()
+    };
     let options = auto::options(&args.plan, OutputFormat::Rgba8Srgb, &mut scene, &camera, &limits)?;
     let plan = Plan::new(Needs::of(&scene), options, &limits)?;
     plan.warnings.iter().for_each(|warning| print::warning(warning));

@@ -54,6 +54,8 @@ pub struct Features {
     /// `dynamicRenderingLocalRead` and `dynamicRendering`, of VK_KHR_dynamic_rendering_local_read and VK_KHR_dynamic_rendering or
     /// of Vulkan 1.4, and `independentBlend`: the strategy local-read wants them.
     pub local_read: bool,
+    /// `sampleRateShading`: G-buffers of several samples a pixel want it.
+    pub sample_rate_shading: bool,
 }
 
 /// A Vulkan device and what is needed to use it. Clones are cheap and share everything.

@@ -117,8 +117,9 @@ impl Rendering {
             )
         })?;
         let format = |i: usize| plan.attachments[pass.attachments[i].attachment].format;
+        // What samples are only resolved to belongs to the attachment that has them.
         let (depth, colors): (Vec<_>, Vec<_>) =
-            (0..pass.attachments.len()).partition(|&i| format(i).is_depth());
+            (0..pass.attachments.len()).filter(|&i| pass.is_on_tile(i)).partition(|&i| format(i).is_depth());
         let depth = depth.first().copied();
         let depth_format = depth.map_or(vk::Format::UNDEFINED, |i| conv::format(format(i)));
         let has_stencil = pass.subpasses.iter().any(|s| s.stencil);
@@ -176,6 +177,19 @@ impl Rendering {
                 .store_op(conv::store_op(store))
                 .clear_value(conv::clear_value(&plan.attachments[attached(i).attachment]))
         };
+        let resolves: Vec<_> = (pass.subpasses.iter())
+            .filter_map(|s| s.resolve.map(|resolve| (s.colors[resolve.from], resolve.to)))
+            .collect();
+        let color = |&i: &usize| {
+            let info = info(i, attached(i).load, attached(i).store);
+            match resolves.iter().find(|(from, _)| *from == i) {
+                None => info,
+                Some(&(_, to)) => info
+                    .resolve_mode(vk::ResolveModeFlags::AVERAGE)
+                    .resolve_image_view(of(attached(to).attachment).1)
+                    .resolve_image_layout(conv::layout(pass.enter[to].to)),
+            }
+        };
         let stencil = self.depth.filter(|_| self.stencil_format != vk::Format::UNDEFINED);
         let barrier = |t: &Transition| {
             let attachment = attached(t.attachment).attachment;
@@ -196,7 +210,7 @@ impl Rendering {
                 })
         };
         RenderingTarget {
-            colors: self.colors.iter().map(|&i| info(i, attached(i).load, attached(i).store)).collect(),
+            colors: self.colors.iter().map(color).collect(),
             depth: self.depth.map(|i| info(i, attached(i).load, attached(i).store)),
             stencil: stencil.map(|i| info(i, attached(i).stencil.0, attached(i).stencil.1)),
             enter: pass.enter.iter().map(barrier).collect(),

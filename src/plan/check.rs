@@ -56,8 +56,9 @@ pub(super) fn check_counts(
 ) -> crate::Result<()> {
     // A rendering has all colour attachments of its stages at once, whichever of them a stage writes.
     for pass in passes.iter().filter(|_| strategy == Strategy::LocalRead) {
-        let is_color = |a: &&super::PassAttachment| !attachments[a.attachment].format.is_depth();
-        let wanted = pass.attachments.iter().filter(is_color).count();
+        let format = |i: usize| attachments[pass.attachments[i].attachment].format;
+        let is_color = |&i: &usize| pass.is_on_tile(i) && !format(i).is_depth();
+        let wanted = (0..pass.attachments.len()).filter(is_color).count();
         let most = limits.max_color_attachments;
         if wanted > most as usize {
             return Err(crate::Error::unsupported(

@@ -4,7 +4,7 @@
 //! render pass does by its dependencies on the outside, barriers before and after a rendering do.
 
 use super::derive::Order;
-use super::{Format, Pass, State, Store, Transition};
+use super::{Pass, State, Store, Transition};
 
 /// An attachment of a rendering.
 pub(super) struct Rendered {
@@ -16,8 +16,8 @@ pub(super) struct Rendered {
     pub(super) after: Option<Order>,
 }
 
-/// Turns a render pass into a rendering.
-pub(super) fn of(mut pass: Pass, all: Vec<Rendered>, format: &dyn Fn(usize) -> Format) -> Pass {
+/// Turns a render pass into a rendering. `held` tells of each of its attachments whether it is depth, and bits a pixel.
+pub(super) fn of(mut pass: Pass, all: Vec<Rendered>, held: &dyn Fn(usize) -> (bool, u32)) -> Pass {
     let during: Vec<_> = all.iter().map(|a| a.during).collect();
     for (attachment, Rendered { during, before, after }) in all.into_iter().enumerate() {
         let used = &pass.attachments[attachment];
@@ -28,13 +28,15 @@ pub(super) fn of(mut pass: Pass, all: Vec<Rendered>, format: &dyn Fn(usize) -> F
             pass.leave.push(transition(during, used.last, after.unwrap_or_default()));
         }
     }
-    let formats = pass.attachments.iter().map(|a| format(a.attachment));
-    let bits = |depth: bool| formats.clone().filter(|f| f.is_depth() == depth).map(|f| f.bits()).sum();
+    let on_tile = (0..pass.attachments.len()).filter(|&i| pass.is_on_tile(i));
+    let on_tile: Vec<_> = on_tile.map(|i| held(pass.attachments[i].attachment)).collect();
+    let bits = |depth: bool| on_tile.iter().filter(|(is_depth, _)| *is_depth == depth).map(|(_, n)| n).sum();
     let (color_bits, depth_bits) = (bits(false), bits(true));
     for s in &mut pass.subpasses {
         s.color_states = s.colors.iter().map(|&i| during[i]).collect();
         s.input_states = s.inputs.iter().map(|&i| during[i]).collect();
         s.depth_state = s.depth.map(|i| during[i]);
+        s.resolve.iter_mut().for_each(|resolve| resolve.state = during[resolve.to]);
         // Nothing has to be named that stays.
         s.preserve.clear();
         (s.live_color_bits, s.live_depth_bits) = (color_bits, depth_bits);

@@ -115,7 +115,7 @@ impl Builder<'_> {
         let fragment = fragment.as_ref().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module));
         let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
         let input = VertexInput::new(pipeline, &shaders.attributes)?;
-        let state = FixedState::new(plan.subpass(index).2, pipeline);
+        let state = FixedState::new(plan, index, pipeline);
         self.create(&stages, &input, &state, place, &name)
     }
 
@@ -133,14 +133,14 @@ impl Builder<'_> {
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
             .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-        let multisample = vk::PipelineMultisampleStateCreateInfo::default()
-            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
         let (mut rendering, blend) = match place.pass {
             VulkanPass::RenderPass(_) => (None, None),
             VulkanPass::Rendering(r) => {
                 (Some(r.parts(place.subpass)), Some(r.blend(place.subpass, &state.blend)))
             }
         };
+        let multisample =
+            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(state.samples);
         let blend = vk::PipelineColorBlendStateCreateInfo::default()
             .flags(state.blend_flags)
             .attachments(blend.as_ref().unwrap_or(&state.blend));
