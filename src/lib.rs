@@ -25,7 +25,7 @@
 //! let scene = Scene::load("scene.glb".as_ref())?;
 //! let host = Headless::new(&HeadlessOptions::default())?;
 //! let device = host.device();
-//! let plan = Plan::new(Needs::of(&scene), Options::default(), &device.caps().limits())?;
+//! let plan = Plan::new(Needs::of(&scene), Options::default(), &device.limits())?;
 //! println!("{plan}");
 //! let cache = PipelineCache::load(device)?;
 //! let mut frame = Offscreen::new(device, &scene, plan, RendererConfig::default(), &cache)?;

@@ -165,7 +165,7 @@ impl Caps {
         let has_local_read = of_local_read.into_iter().all(has);
         let has_order = has(ash::ext::rasterization_order_attachment_access::NAME)
             || has(ash::arm::rasterization_order_attachment_access::NAME);
-        let has_feedback = has(ash::ext::subpass_merge_feedback::NAME);
+        let has_feedback = has(ash::ext::subpass_merge_feedback::NAME) && has(khr::create_renderpass2::NAME);
         let mut local_read = vk::PhysicalDeviceDynamicRenderingLocalReadFeaturesKHR::default();
         let mut order = vk::PhysicalDeviceRasterizationOrderAttachmentAccessFeaturesEXT::default();
         let mut feedback = vk::PhysicalDeviceSubpassMergeFeedbackFeaturesEXT::default();

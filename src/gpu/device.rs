@@ -4,6 +4,7 @@ use super::caps::{Caps, lazy_types, types_with};
 use super::headless::OwnedDevice;
 use super::owned::{Counters, Live};
 use super::rendering::RenderingCalls;
+use crate::plan::{Limits, Merging};
 use crate::{Error, Result};
 use ash::vk::{self, Handle};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -54,6 +55,8 @@ pub struct Features {
     /// `dynamicRenderingLocalRead` and `dynamicRendering`, of VK_KHR_dynamic_rendering_local_read and VK_KHR_dynamic_rendering or
     /// of Vulkan 1.4, and `independentBlend`: the strategy local-read wants them.
     pub local_read: bool,
+    /// `subpassMergeFeedback` of VK_EXT_subpass_merge_feedback: reports say what the driver makes of subpasses.
+    pub subpass_merge_feedback: bool,
     /// `sampleRateShading`: G-buffers of several samples a pixel want it.
     pub sample_rate_shading: bool,
 }
@@ -162,6 +165,19 @@ impl Device {
     /// What the device can do.
     pub fn caps(&self) -> &Caps {
         &self.shared.caps
+    }
+
+    /// What plans for this device may ask of it: what it can do, less what was not enabled.
+    pub fn limits(&self) -> Limits {
+        let Features { ordered_attachment_access, sample_rate_shading, local_read, .. } = self.features();
+        let mut limits = self.caps().limits();
+        limits.ordered_attachment_access &= ordered_attachment_access;
+        limits.sample_shading &= sample_rate_shading;
+        if !local_read && limits.merging.local_read.is_ok() {
+            let reason = "the device was made without dynamicRenderingLocalRead";
+            limits.merging = Merging { local_read: Err(reason), ..Merging::default() };
+        }
+        limits
     }
 
     /// What is enabled.
@@ -289,6 +305,7 @@ mod tests {
             let ours = unsafe { Device::from_host(lent) }.unwrap();
             let buffer = Buffer::new(&ours, &desc).unwrap();
             assert_eq!(ours.caps(), theirs.caps());
+            assert_eq!(ours.limits(), theirs.limits());
             assert_eq!(ours.live().objects["buffer"], 1);
             assert_eq!(theirs.live(), Live::default());
             drop((buffer, ours));

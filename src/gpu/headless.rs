@@ -253,7 +253,12 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
         khr::create_renderpass2::NAME,
     ];
     let rendering = rendering.iter().filter(|_| caps.local_read);
-    let extensions: Vec<_> = order.iter().chain(rendering).map(|name| name.as_ptr()).collect();
+    let feedback = [ext::subpass_merge_feedback::NAME, khr::create_renderpass2::NAME];
+    let feedback = feedback.iter().filter(|_| caps.subpass_merge_feedback);
+    let mut extensions: Vec<_> = order.iter().chain(rendering).chain(feedback).copied().collect();
+    extensions.sort();
+    extensions.dedup();
+    let extensions: Vec<_> = extensions.into_iter().map(|name| name.as_ptr()).collect();
     let mut local_read =
         vk::PhysicalDeviceDynamicRenderingLocalReadFeaturesKHR::default().dynamic_rendering_local_read(true);
     let mut dynamic_rendering = vk::PhysicalDeviceDynamicRenderingFeatures::default().dynamic_rendering(true);
@@ -266,6 +271,12 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
     let info = if order.is_some() { info.push_next(&mut ordered_access) } else { info };
     let info = match caps.local_read {
         true => info.push_next(&mut local_read).push_next(&mut dynamic_rendering),
+        false => info,
+    };
+    let mut merge_feedback =
+        vk::PhysicalDeviceSubpassMergeFeedbackFeaturesEXT::default().subpass_merge_feedback(true);
+    let info = match caps.subpass_merge_feedback {
+        true => info.push_next(&mut merge_feedback),
         false => info,
     };
     // SAFETY: the family exists, and the features are those that the device has.
@@ -286,6 +297,7 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
             occlusion_precise: caps.occlusion_precise,
             ordered_attachment_access: order.is_some(),
             local_read: caps.local_read,
+            subpass_merge_feedback: caps.subpass_merge_feedback,
             sample_rate_shading: caps.sample_rate_shading,
         },
     };

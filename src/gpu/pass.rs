@@ -3,14 +3,14 @@
 use ash::vk;
 
 use super::rendering::{Rendering, RenderingTarget};
-use super::{Device, Owned, Recorder, conv};
-use crate::plan::{Dependency, Load, Pass, PassAttachment, Plan, Strategy, Subpass};
+use super::{Device, Owned, Recorder, conv, merge_feedback};
+use crate::plan::{Dependency, Load, MergeReport, Pass, PassAttachment, Plan, Strategy, Subpass};
 use crate::{Error, Result};
 
 /// A pass of the plan.
 pub enum VulkanPass {
-    /// A render pass; stages are its subpasses.
-    RenderPass(Owned<vk::RenderPass>),
+    /// A render pass, whose subpasses are the stages; and what the driver makes of them, where it says so.
+    RenderPass(Owned<vk::RenderPass>, Option<MergeReport>),
     /// A dynamic rendering with local reads.
     Rendering(Rendering),
 }
@@ -32,7 +32,15 @@ impl VulkanPass {
         check_features(device, pass)?;
         match plan.strategy {
             Strategy::LocalRead => Rendering::new(device, plan, pass).map(Self::Rendering),
-            _ => create_render_pass(device, plan, pass).map(Self::RenderPass),
+            _ => create_render_pass(device, plan, pass),
+        }
+    }
+
+    /// What the driver says it makes of subpasses.
+    pub fn merge_report(&self) -> Option<&MergeReport> {
+        match self {
+            Self::RenderPass(_, report) => report.as_ref(),
+            Self::Rendering(_) => None,
         }
     }
 
@@ -49,7 +57,7 @@ impl VulkanPass {
         of: &dyn Fn(usize) -> (vk::Image, vk::ImageView),
     ) -> Result<PassTarget> {
         let raw = match self {
-            Self::RenderPass(raw) => raw.raw(),
+            Self::RenderPass(raw, _) => raw.raw(),
             Self::Rendering(rendering) => return Ok(PassTarget::Rendering(rendering.target(plan, pass, of))),
         };
         let views: Vec<_> = pass.attachments.iter().map(|a| of(a.attachment).1).collect();
@@ -67,7 +75,7 @@ impl VulkanPass {
     /// Begins the pass, at its first stage.
     pub fn begin(&self, recorder: &Recorder<'_>, target: &PassTarget, area: vk::Rect2D) {
         match (self, target) {
-            (Self::RenderPass(raw), PassTarget::Framebuffer(framebuffer, clear_values)) => {
+            (Self::RenderPass(raw, _), PassTarget::Framebuffer(framebuffer, clear_values)) => {
                 let info = vk::RenderPassBeginInfo::default()
                     .render_pass(raw.raw())
                     .framebuffer(framebuffer.raw())
@@ -88,7 +96,7 @@ impl VulkanPass {
     pub fn next(&self, recorder: &Recorder<'_>, stage: usize) {
         match self {
             // SAFETY: the command buffer is recording this pass, which has another subpass.
-            Self::RenderPass(_) => unsafe {
+            Self::RenderPass(..) => unsafe {
                 let device = recorder.device().raw();
                 device.cmd_next_subpass(recorder.raw(), vk::SubpassContents::INLINE);
             },
@@ -123,7 +131,7 @@ fn check_features(device: &Device, pass: &Pass) -> Result<()> {
     Ok(())
 }
 
-fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<Owned<vk::RenderPass>> {
+fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<VulkanPass> {
     let attachments: Vec<_> = pass
         .attachments
         .iter()
@@ -141,25 +149,30 @@ fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<Owned
         })
         .collect();
     let references: Vec<_> = pass.subpasses.iter().map(References::new).collect();
-    let subpasses: Vec<_> = references.iter().map(References::description).collect();
     let dependencies: Vec<_> = pass.dependencies.iter().map(dependency).collect();
+    if device.features().subpass_merge_feedback {
+        let made = merge_feedback::create_render_pass(device, pass, &attachments, &references, &dependencies);
+        return made.map(|(raw, report)| VulkanPass::RenderPass(raw, Some(report)));
+    }
+    let subpasses: Vec<_> = references.iter().map(References::description).collect();
     let info = vk::RenderPassCreateInfo::default()
         .attachments(&attachments)
         .subpasses(&subpasses)
         .dependencies(&dependencies);
     // SAFETY: every array outlives the call; indices are positions in `pass.attachments` by the plan.
-    unsafe { device.create_render_pass(&info, &pass.name) }
+    let raw = unsafe { device.create_render_pass(&info, &pass.name) }?;
+    Ok(VulkanPass::RenderPass(raw, None))
 }
 
 /// Attachment references of one subpass, kept alive while Vulkan reads them.
-struct References {
-    colors: Vec<vk::AttachmentReference>,
+pub(super) struct References {
+    pub(super) colors: Vec<vk::AttachmentReference>,
     /// As many, or none.
-    resolves: Vec<vk::AttachmentReference>,
-    inputs: Vec<vk::AttachmentReference>,
-    depth: Option<vk::AttachmentReference>,
-    preserve: Vec<u32>,
-    flags: vk::SubpassDescriptionFlags,
+    pub(super) resolves: Vec<vk::AttachmentReference>,
+    pub(super) inputs: Vec<vk::AttachmentReference>,
+    pub(super) depth: Option<vk::AttachmentReference>,
+    pub(super) preserve: Vec<u32>,
+    pub(super) flags: vk::SubpassDescriptionFlags,
 }
 
 impl References {

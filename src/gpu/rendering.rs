@@ -19,28 +19,25 @@ pub struct RenderingCalls {
 }
 
 impl RenderingCalls {
-    /// The device's functions, by the extensions' names or by those of Vulkan 1.3 and 1.4.
-    ///
     /// # Errors
-    /// [`Error::Unsupported`] if there is one that the device was made without.
+    /// [`Error::Unsupported`] if the device was made without one of them.
     ///
     /// # Safety
     /// The device belongs to the instance.
     pub(super) unsafe fn load(instance: &ash::Instance, device: vk::Device) -> Result<Self> {
-        let mut missing = Vec::new();
+        // SAFETY: the caller's promise.
+        let mut find = unsafe { device_functions(instance, device) };
+        let mut missing = None;
         let mut find = |name: &CStr| {
-            // SAFETY: the caller's promise; names end with a NUL.
-            let get = |name: &CStr| unsafe { instance.get_device_proc_addr(device, name.as_ptr()) };
-            let core = name.to_string_lossy().trim_end_matches("KHR").to_owned();
-            let found = get(name).or_else(|| get(&CString::new(core).ok()?));
-            if found.is_none() {
-                missing.push(name.to_string_lossy().into_owned());
+            let found = find(name);
+            if found.is_null() {
+                missing.get_or_insert_with(|| name.to_string_lossy().into_owned());
             }
-            found.map_or(std::ptr::null(), |function| function as *const std::ffi::c_void)
+            found
         };
         let dynamic = ash::khr::dynamic_rendering::DeviceFn::load(&mut find);
         let local_read = ash::khr::dynamic_rendering_local_read::DeviceFn::load(&mut find);
-        match missing.first() {
+        match missing {
             None => Ok(Self { dynamic, local_read }),
             Some(name) => Err(Error::unsupported(
                 format!(
@@ -49,6 +46,24 @@ impl RenderingCalls {
                 "enable VK_KHR_dynamic_rendering and VK_KHR_dynamic_rendering_local_read (or Vulkan 1.4's features), or say `false`",
             )),
         }
+    }
+}
+
+/// Finds functions of a device by the names that extensions give them, or by those of later versions of Vulkan; null where the
+/// device was made without.
+///
+/// # Safety
+/// The device belongs to the instance.
+pub unsafe fn device_functions(
+    instance: &ash::Instance,
+    device: vk::Device,
+) -> impl FnMut(&CStr) -> *const std::ffi::c_void {
+    move |name| {
+        // SAFETY: the caller's promise; names end with a NUL.
+        let get = |name: &CStr| unsafe { instance.get_device_proc_addr(device, name.as_ptr()) };
+        let core = name.to_string_lossy().trim_end_matches("KHR").to_owned();
+        let found = get(name).or_else(|| get(&CString::new(core).ok()?));
+        found.map_or(std::ptr::null(), |function| function as *const std::ffi::c_void)
     }
 }
 

@@ -70,11 +70,13 @@ pub enum Module {
     ShadowVertex,
     /// Copies a tile of one shadow map to another.
     ShadowCompose,
+    /// Spreads light.
+    Bloom,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -89,6 +91,7 @@ impl Module {
         Self::Lighting,
         Self::Tonemap,
         Self::ShadowCompose,
+        Self::Bloom,
         Self::LightingSamples,
         Self::TonemapSamples,
     ];
@@ -110,6 +113,7 @@ impl Module {
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
+            Self::Bloom => "bloom.frag",
         }
     }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::access::{Access, Scope, State};
 use super::rendering::{self, Rendered};
-use super::stage::{Frame, Use};
+use super::stage::{Frame, Resource, Stage, Use};
 use super::{
     Attachment, Dependency, Load, Options, Pass, PassAttachment, Resolve, Store, Strategy, Subpass, Usage,
 };
@@ -101,32 +101,47 @@ fn pass(
             Some(_) => Load::Clear,
             None => Load::DontCare,
         };
-        let is_output = last.resource == Frame::OUTPUT;
-        let used_later = frame.resources[last.resource].kept || frame.lifetime(last.resource).1 > last_stage;
+        let used_later = {
+            let Resource { kept, sampled, .. } = frame.resources[last.resource];
+            kept || sampled || frame.lifetime(last.resource).1 > last_stage
+        };
         let store = if used_later { Store::Store } else { Store::DontCare };
 
-        let kept = frame.resources.iter().enumerate().find(|(r, res)| res.kept && place_of(*r) == attachment);
-        let host = kept.and_then(|(r, _)| match r {
-            Frame::OUTPUT => Access::after_frame(options.output_use),
-            _ => Some(Access::TransferRead),
-        });
+        let placed = frame.resources.iter().enumerate().filter(|(r, _)| place_of(*r) == attachment);
+        let host: Scope = placed.flat_map(|(r, _)| after_frame(frame, options, r)).collect();
         // Later passes of a frame wait for its first one.
-        let earlier_host = host.filter(|_| !states.contains_key(&attachment));
+        let earlier_host = if states.contains_key(&attachment) { Scope::new() } else { host.clone() };
         let state_before = states.get(&attachment).copied().unwrap_or(State::Undefined);
-        let is_copied = frame.resources[last.resource].kept && last_stage + 1 == frame.stages.len();
         let uses: Vec<_> = touches.iter().flat_map(|t| &t.uses).copied().collect();
         let during = State::throughout(&uses, depth);
-        let after = match (is_output, is_copied) {
-            (true, _) => State::after_frame(options.output_use),
-            (false, true) => State::CopySource,
-            (false, false) if is_rendering => during,
-            (false, false) => State::of(&last.uses, depth),
+        let is_last = || {
+            let uses = |s: &Stage| s.uses.iter().any(|(r, _)| place_of(*r) == attachment);
+            !frame.stages[last_stage + 1..].iter().any(uses)
+        };
+        let is_copied = frame.resources[last.resource].kept && last_stage + 1 == frame.stages.len();
+        let is_output = last.resource == Frame::OUTPUT;
+        let after = if frame.resources[last.resource].sampled && is_last() {
+            State::Sampled
+        } else if is_output {
+            State::after_frame(options.output_use)
+        } else if is_copied {
+            State::CopySource
+        } else if is_rendering {
+            during
+        } else {
+            State::of(&last.uses, depth)
         };
         states.insert(attachment, after);
+        let outside = if frame.resources[last.resource].sampled {
+            Some((Access::SampledRead, "passes after the frame's own sample it"))
+        } else {
+            let host = Access::after_frame(options.output_use).filter(|_| is_output);
+            host.map(|access| (access, "the host uses the output"))
+        };
 
         dependencies.order_within(frame, touches, depth);
         let before = order_after_outside(first, touches.len() == 1, depth, load, earlier_host);
-        let later = order_before_outside(depth, store, host.filter(|_| is_output));
+        let later = order_before_outside(depth, store, outside);
         if is_rendering {
             rendered.push(Rendered { during, before, after: later.map(|(order, _)| order) });
         } else {
@@ -171,7 +186,7 @@ fn pass(
 pub(super) type Order = (Scope, Scope);
 
 /// Orders a pass's first touch after earlier passes and frames, and after what the host did since.
-fn order_after_outside(first: &Touch, is_only: bool, depth: bool, load: Load, host: Option<Access>) -> Order {
+fn order_after_outside(first: &Touch, is_only: bool, depth: bool, load: Load, host: Scope) -> Order {
     let mut after = Access::of(&first.uses);
     after.insert(Access::load(depth, load));
     if is_only {
@@ -182,17 +197,33 @@ fn order_after_outside(first: &Touch, is_only: bool, depth: bool, load: Load, ho
     (before, after)
 }
 
-/// Orders what the host does with the output, or later passes with what is stored, after the last touch; and says why.
-fn order_before_outside(depth: bool, store: Store, host: Option<Access>) -> Option<(Order, &'static str)> {
+/// Orders what is done `outside` with the attachment, or later passes with what is stored, after the last touch; and says why.
+fn order_before_outside(
+    depth: bool,
+    store: Store,
+    outside: Option<(Access, &'static str)>,
+) -> Option<(Order, &'static str)> {
     let before = [Access::store(depth)].into();
-    match host {
-        Some(access) => Some(((before, [access].into()), "the host uses the output")),
+    match outside {
+        Some((access, why)) => Some(((before, [access].into()), why)),
         None if store == Store::Store => {
             let after = [Access::InputRead, Access::load(depth, Load::Load), Access::TransferRead].into();
             Some(((before, after), "later passes load what is stored"))
         }
         None => None,
     }
+}
+
+/// What reads a resource after the frame's own passes.
+fn after_frame(frame: &Frame, options: &Options, resource: usize) -> Scope {
+    let Resource { kept, sampled, .. } = frame.resources[resource];
+    let host = match resource {
+        // The host's image is another one.
+        Frame::OUTPUT if options.edge_filter => None,
+        Frame::OUTPUT => Access::after_frame(options.output_use),
+        _ => kept.then_some(Access::TransferRead),
+    };
+    host.into_iter().chain(sampled.then_some(Access::SampledRead)).collect()
 }
 
 /// What becomes of a resource's stencil in a pass: it is cleared when it is first used, and forgotten after the last use.
@@ -344,8 +375,8 @@ pub fn attachments(
         let uses: Vec<_> =
             frame.stages.iter().flat_map(|s| &s.uses).filter(|(r, _)| place.contains(r)).collect();
         let has = |wanted: &[Use]| uses.iter().any(|(_, how)| wanted.contains(how));
-        let is_output = place.contains(&Frame::OUTPUT);
-        let kept = resources.clone().any(|r| r.kept);
+        let is_output = place.contains(&Frame::OUTPUT) && !options.edge_filter;
+        let kept = place.iter().any(|&r| r != Frame::OUTPUT && frame.resources[r].kept);
         let in_passes = || passes.iter().flat_map(|p| &p.attachments).filter(|a| a.attachment == index);
         Attachment {
             name: resources.clone().map(|r| r.name).collect::<Vec<_>>().join("/"),
@@ -359,6 +390,7 @@ pub fn attachments(
                 color: has(&[Use::Write, Use::Blend, Use::Modify, Use::Resolve]),
                 depth: has(&[Use::Depth, Use::DepthTest, Use::Stencil]),
                 input: has(&[Use::Read, Use::Modify]),
+                sampled: resources.clone().any(|r| r.sampled),
                 copy_source: if is_output { options.output_use == super::OutputUse::Copy } else { kept },
                 blend: has(&[Use::Blend]),
             },

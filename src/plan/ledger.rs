@@ -94,6 +94,19 @@ pub struct PassReport {
     pub transitions: Vec<super::Transition>,
 }
 
+/// One pass after the frame's own.
+#[derive(Clone, Debug, Serialize)]
+pub struct PostPassReport {
+    /// Name.
+    pub name: String,
+    /// Bytes a pixel of the picture that it samples or loads.
+    pub loaded_bytes_per_pixel: Figure,
+    /// Bytes a pixel of the picture that it stores.
+    pub stored_bytes_per_pixel: Figure,
+    /// Why it exists.
+    pub why: &'static str,
+}
+
 /// Sums over a frame.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Totals {
@@ -105,6 +118,10 @@ pub struct Totals {
     pub passes: usize,
     /// Subpasses in all passes.
     pub subpasses: usize,
+    /// Bytes a pixel that passes after these load, and that their tone curve samples of scattered light.
+    pub post_loaded_bytes_per_pixel: Figure,
+    /// Bytes a pixel that passes after these store.
+    pub post_stored_bytes_per_pixel: Figure,
     /// Render passes before these when all tiles of the shadow map are drawn, as in the first frame: one a tile. Later frames
     /// draw those that have changed.
     pub shadow_tile_passes: usize,
@@ -112,6 +129,30 @@ pub struct Totals {
     pub shadow_stored_bytes: Figure,
     /// Bytes of memory of the shadow map, the static one included.
     pub shadow_bytes: Figure,
+}
+
+/// What a driver says it makes of a render pass's subpasses (VK_EXT_subpass_merge_feedback).
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct MergeReport {
+    /// The pass's name.
+    pub pass: String,
+    /// How many subpasses are left when some are merged.
+    pub subpasses_left: u32,
+    /// In order of execution.
+    pub subpasses: Vec<SubpassMerge>,
+}
+
+/// One subpass of a [`MergeReport`].
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct SubpassMerge {
+    /// Name.
+    pub name: &'static str,
+    /// `VkSubpassMergeStatusEXT` in lower case: "merged", or why not.
+    pub status: String,
+    /// In the driver's words.
+    pub description: String,
+    /// Which of the subpasses that are left it is in.
+    pub part: u32,
 }
 
 /// What only a device can tell.
@@ -123,6 +164,8 @@ pub struct DeviceFigures {
     pub driver: String,
     /// Whether a memory type is lazily allocated; where none is, transient attachments take ordinary memory.
     pub has_lazy_memory: bool,
+    /// What becomes of the subpasses of each render pass; empty where the driver does not say.
+    pub merging: Vec<MergeReport>,
     /// Median GPU time of a frame by timestamps, milliseconds.
     pub gpu_frame_ms: Option<Figure>,
     /// Median GPU time of each stage by timestamps, milliseconds, where the device tells them apart.
@@ -165,6 +208,8 @@ pub struct Report {
     pub passes: Vec<PassReport>,
     /// The shadow map, drawn before them; `null` where no light casts shadows.
     pub shadow_map: Option<super::ShadowMapReport>,
+    /// Passes after them, which sample what they and those before them have stored.
+    pub post_passes: Vec<PostPassReport>,
     /// Pipelines, as text.
     pub pipelines: Vec<String>,
     /// With light lists: their bounds.
@@ -246,6 +291,7 @@ impl Plan {
             attachments: attachments.collect(),
             passes: self.passes.iter().map(|p| self.pass_report(p)).collect(),
             shadow_map,
+            post_passes: self.post.passes.iter().map(|p| self.post_pass_report(p)).collect(),
             pipelines: self.pipelines.iter().map(|(_, p)| self.pipeline_text(p)).collect(),
             clusters: self.clusters,
             totals: Totals {
@@ -253,6 +299,8 @@ impl Plan {
                 stored_bytes_per_pixel: sum(1),
                 passes: self.passes.len(),
                 subpasses: self.stage_count(),
+                post_loaded_bytes_per_pixel: Figure::planned(self.post_totals()[0]),
+                post_stored_bytes_per_pixel: Figure::planned(self.post_totals()[1]),
                 shadow_tile_passes: self.shadow_map.as_ref().map_or(0, |map| map.tiles.len()),
                 shadow_stored_bytes,
                 shadow_bytes,
@@ -281,6 +329,16 @@ impl Plan {
             subpasses: subpasses.collect(),
             dependencies: pass.dependencies.clone(),
             transitions: pass.enter.iter().chain(&pass.leave).cloned().collect(),
+        }
+    }
+
+    fn post_pass_report(&self, pass: &super::PostPass) -> PostPassReport {
+        let [loaded, stored] = self.post_traffic(pass).map(Figure::planned);
+        PostPassReport {
+            name: pass.name.clone(),
+            loaded_bytes_per_pixel: loaded,
+            stored_bytes_per_pixel: stored,
+            why: pass.why,
         }
     }
 

@@ -76,7 +76,7 @@ impl Gpu<'_> {
 
     /// The plan of a scene on this device.
     pub fn plan(&self, scene: &Scene, options: Options) -> Plan {
-        let plan = Plan::new(Needs::of(scene), options, &self.device.caps().limits());
+        let plan = Plan::new(Needs::of(scene), options, &self.device.limits());
         let plan = plan.unwrap_or_else(|error| panic!("{}: {error}", scene.name));
         self.excused.borrow_mut().extend(expected_advice(&plan));
         plan

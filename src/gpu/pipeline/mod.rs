@@ -17,6 +17,7 @@ use state::{FixedState, VertexInput};
 
 use super::descriptor::Binding;
 use super::pass::VulkanPass;
+use super::post::PostParts;
 use super::shader::{AttachmentPlaces, Shaders};
 use super::{Called, Device, Owned, PipelineCache};
 use crate::Result;
@@ -55,7 +56,8 @@ impl Pipelines {
         let families: Vec<_> =
             plan.pipelines.iter().map(|(stage, pipeline)| Family::of(plan, *stage, pipeline)).collect();
         let mut layouts = BTreeMap::new();
-        for &family in &families {
+        let of_post = plan.post.passes.iter().map(|pass| PostParts::of(plan, pass).family);
+        for family in families.iter().copied().chain(of_post) {
             if let std::collections::btree_map::Entry::Vacant(entry) = layouts.entry(family) {
                 entry.insert(FamilyLayout::new(device, family)?);
             }
@@ -134,7 +136,7 @@ impl Builder<'_> {
             .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
         let (mut rendering, blend) = match place.pass {
-            VulkanPass::RenderPass(_) => (None, None),
+            VulkanPass::RenderPass(..) => (None, None),
             VulkanPass::Rendering(r) => {
                 (Some(r.parts(place.subpass)), Some(r.blend(place.subpass, &state.blend)))
             }
@@ -164,7 +166,9 @@ impl Builder<'_> {
             (None, None) => info,
         };
         let info = match (place.pass, &mut rendering) {
-            (VulkanPass::RenderPass(pass), _) => info.render_pass(pass.raw()).subpass(place.subpass as u32),
+            (VulkanPass::RenderPass(pass, _), _) => {
+                info.render_pass(pass.raw()).subpass(place.subpass as u32)
+            }
             (_, Some(parts)) => info
                 .push_next(&mut parts.formats)
                 .push_next(&mut parts.locations)

@@ -47,6 +47,7 @@ impl Frame<'_> {
             }
             passes[index].end(recorder, self.target.pass(self.output, index));
         }
+        self.record_post();
         let last = if config.stage_timestamps { stages } else { 1 };
         queries.timestamp(recorder, slot, last as u32, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
         queries.end_statistics(recorder, slot);
