@@ -5,7 +5,7 @@ use super::super::shader::{
     OutputConstants, SampleConstants, SkyConstants, Specialization, TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{Pipeline, Plan, SurfaceKind, VolumeShape};
+use crate::plan::{Form, Pipeline, Plan, SurfaceKind, VolumeShape};
 use crate::visible::ShadowShape;
 
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
@@ -58,13 +58,16 @@ fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
 }
 
 fn gbuffer_constants(plan: &Plan) -> GBufferConstants {
+    let whole = GBufferConstants::new(&plan.gbuffer);
     GBufferConstants {
         exists: plan.has_gbuffer(),
+        // Without a G-buffer light is complete when it is added up.
+        form: if plan.has_gbuffer() || whole.form != Form::Rasa128 { whole.form } else { Form::Metallic },
         light_target: plan.has_light_target(),
         light_alpha: plan.light_target().is_none_or(|light| light.has_alpha()),
         light_read: plan.light_is_read(),
         light_added: plan.light_is_read() && !plan.folded,
-        ..GBufferConstants::new(&plan.gbuffer)
+        ..whole
     }
 }
 
