@@ -2,6 +2,8 @@
 embed![
     "base.frag",
     "bloom.frag",
+    "fog.frag",
+    "fog_samples.frag",
     "forward.frag",
     "fullscreen.vert",
     "geometry.frag",

@@ -70,13 +70,17 @@ pub enum Module {
     ShadowVertex,
     /// Copies a tile of one shadow map to another.
     ShadowCompose,
+    /// Lays fog over surfaces of the G-buffer.
+    Fog,
+    /// [`Self::Fog`] of several samples a pixel.
+    FogSamples,
     /// Spreads light.
     Bloom,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -94,6 +98,8 @@ impl Module {
         Self::Bloom,
         Self::LightingSamples,
         Self::TonemapSamples,
+        Self::Fog,
+        Self::FogSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -113,6 +119,7 @@ impl Module {
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
+            Self::Fog | Self::FogSamples => "fog.frag",
             Self::Bloom => "bloom.frag",
         }
     }
@@ -122,6 +129,7 @@ impl Module {
         match self {
             Self::LightingSamples => "lighting_samples.frag",
             Self::TonemapSamples => "tonemap_samples.frag",
+            Self::FogSamples => "fog_samples.frag",
             _ => self.source(),
         }
     }
@@ -136,6 +144,7 @@ impl Module {
         match self {
             Self::Lighting => Self::LightingSamples,
             Self::Tonemap => Self::TonemapSamples,
+            Self::Fog => Self::FogSamples,
             other => other,
         }
     }
