@@ -6,8 +6,8 @@ use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
 use ontile::plan::{
-    Access, Adreno, Bins, BloomWay, DepthStore, Layout, LightWay, Limits, Needs, Options, Path as LightPath,
-    Plan, Store, Strategy, Translucency,
+    Access, Adreno, Bins, BloomWay, DepthStore, Layout, LightWay, Limits, Merging, Needs, Options,
+    Path as LightPath, Plan, Store, Strategy, Translucency,
 };
 use ontile::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -113,6 +113,7 @@ impl Case {
             max_color_attachments: 8,
             max_input_attachments: 8,
             ordered_attachment_access: true,
+            merging: Merging { local_read: Ok(()), ..Merging::default() },
             ..Limits::default()
         };
         let mut plan = Plan::new(Needs::of(scene), options, &limits).unwrap();
