@@ -117,7 +117,7 @@ fn lights(glb: &mut Glb) {
         kind: LightKind::Point { intensity_cd, range_m },
     };
     let warm = Vec3::new(1.0, 0.75, 0.45);
-    glb.light(point("lamp light", warm, 2.2, 5.0), Pose::at(-0.28, TABLE_M + 0.36, -0.4));
+    glb.light(point("lamp light", warm, 2.2, 5.0), Pose::at(-0.28, TABLE_M + 0.8, -0.55));
     glb.light(point("window", Vec3::new(0.6, 0.75, 1.0), 5.0, 6.0), Pose::at(1.5, TABLE_M + 1.2, 0.9));
     let kind = LightKind::Spot { intensity_cd: 14.0, range_m: 6.0, inner_rad: 0.2, outer_rad: 0.5 };
     let spot = Light { name: "spot", color: Vec3::new(1.0, 0.95, 0.88), kind };
