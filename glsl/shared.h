@@ -40,6 +40,7 @@
 #define INPUT_LIGHT_WORD 10
 #define INPUT_LIGHT 11
 #define INPUT_SPECULAR_LIGHT 12
+#define INPUT_EDGE 20
 
 // Vertex attribute locations.
 #define ATTRIBUTE_POSITION 0
@@ -71,6 +72,7 @@
 #define TARGET_LIGHT 11
 #define TARGET_SPECULAR_LIGHT 12
 #define TARGET_OUTPUT 13
+#define TARGET_EDGE 20
 
 // Specialisation constant ids.
 #define ID_TEXTURE_COUNT 0
@@ -135,6 +137,8 @@
 #define ID_SAMPLE_DEPTH 69
 #define ID_RESOLVE_PLAIN 70
 #define ID_FLOAT_OUTPUT 71
+#define ID_EDGE_TARGET 72
+#define ID_EDGE_MASKS 73
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0
@@ -192,3 +196,7 @@
 #define VOLUME_SPHERE 1
 #define VOLUME_CONE 2
 #define VOLUME_BOX 3
+
+// Bits of the stencil: pixels that are lit sample by sample, and what counts volumes' sides, from 0 and back to it.
+#define STENCIL_EDGE 0x80
+#define STENCIL_COUNT 0x7f

@@ -1,6 +1,7 @@
 // Written by tools/shaders.
 embed![
     "base.frag",
+    "edges.frag",
     "forward.frag",
     "fullscreen.vert",
     "geometry.frag",

@@ -56,6 +56,8 @@ pub enum Module {
     Lighting,
     /// Turns the light target into the output.
     Tonemap,
+    /// Marks pixels that are lit sample by sample.
+    Edges,
     /// [`Self::Lighting`] of several samples a pixel.
     LightingSamples,
     /// [`Self::Tonemap`] of several samples a pixel.
@@ -74,7 +76,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -91,6 +93,7 @@ impl Module {
         Self::ShadowCompose,
         Self::LightingSamples,
         Self::TonemapSamples,
+        Self::Edges,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -106,6 +109,7 @@ impl Module {
             Self::Lighting | Self::LightingSamples => "lighting.frag",
             Self::Tonemap | Self::TonemapSamples => "tonemap.frag",
             Self::Sky => "sky.frag",
+            Self::Edges => "edges.frag",
             Self::Fullscreen => "fullscreen.vert",
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
@@ -124,7 +128,10 @@ impl Module {
 
     /// What is defined when it is compiled.
     pub fn defines(self) -> &'static [&'static str] {
-        if self.name() == self.source() { &[] } else { &["MULTISAMPLED"] }
+        match self {
+            Self::Edges | Self::LightingSamples | Self::TonemapSamples => &["MULTISAMPLED"],
+            _ => &[],
+        }
     }
 
     /// The module that does the same where input attachments have several samples a pixel: itself, if it reads none.

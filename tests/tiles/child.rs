@@ -6,8 +6,8 @@ use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
 use ontile::plan::{
-    Access, Adreno, Bins, DepthStore, Layout, LightWay, Limits, Needs, Options, Path as LightPath, Plan,
-    Store, Strategy,
+    Access, Adreno, Bins, DepthStore, Edges, Layout, LightWay, Limits, Needs, Options, Path as LightPath,
+    Plan, Store, Strategy,
 };
 use ontile::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -25,6 +25,8 @@ pub struct Case {
     pub depth_prepass: bool,
     pub strategy: Strategy,
     pub recycle: bool,
+    pub samples: u32,
+    pub edges: Edges,
     pub fault: Option<Fault>,
     /// `RendererConfig::capture`.
     pub capture: bool,
@@ -76,6 +78,8 @@ impl Case {
             depth_prepass: false,
             strategy: Strategy::Subpasses,
             recycle: true,
+            samples: 1,
+            edges: Edges::Auto,
             fault: None,
             capture: false,
             stage_timestamps: false,
@@ -100,6 +104,8 @@ impl Case {
             lights: self.lights,
             depth_prepass: self.depth_prepass,
             recycle: self.recycle,
+            samples: self.samples,
+            edges: self.edges,
             ..Options::default()
         };
         // What every Adreno of these generations allows.
@@ -107,6 +113,8 @@ impl Case {
             max_color_attachments: 8,
             max_input_attachments: 8,
             ordered_attachment_access: true,
+            sample_counts: 7,
+            word_sample_counts: 7,
             ..Limits::default()
         };
         let mut plan = Plan::new(Needs::of(scene), options, &limits).unwrap();

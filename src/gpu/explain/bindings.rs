@@ -35,9 +35,15 @@ impl Elements<'_> {
         let found = self.plan.pipelines.get(pipeline);
         if set != SET_FRAME {
             return match found {
-                Some((stage, Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap)) => {
-                    self.input(*stage, binding)
-                }
+                Some((
+                    stage,
+                    Pipeline::Lighting
+                    | Pipeline::LightVolume(_)
+                    | Pipeline::Tonemap
+                    | Pipeline::Edges
+                    | Pipeline::EdgeLighting
+                    | Pipeline::EdgeVolume(_),
+                )) => self.input(*stage, binding),
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),
                 _ => {
                     let slots = found.map_or_else(Vec::new, |(_, pipeline)| slots(pipeline));

@@ -41,7 +41,7 @@ impl<'a> Elements<'a> {
                 .next()
                 .unwrap_or_default();
         };
-        match pipeline {
+        match &pipeline.per_pixel() {
             Pipeline::Surface(kind) => self.need(|need| need.kind == *kind),
             Pipeline::Depth(kind) => self.need(|need| need.kind.depth() == *kind),
             Pipeline::Light(kind) => self.need(|need| need.kind == *kind),
@@ -57,6 +57,10 @@ impl<'a> Elements<'a> {
                 let lit = plan.needs.lit.as_deref().unwrap_or_default();
                 format!("{lit} is lit by {}", self.light(|_| true))
             }
+            Pipeline::Edges => {
+                format!("{} samples a pixel: those of edges are lit one by one", plan.options.samples)
+            }
+            Pipeline::EdgeLighting | Pipeline::EdgeVolume(_) => String::new(),
             Pipeline::Tonemap => plan.subpass(*stage).2.why.clone(),
         }
     }
