@@ -198,5 +198,5 @@
 #define VOLUME_BOX 3
 
 // Bits of the stencil: pixels that are lit sample by sample, and what counts volumes' sides, from 0 and back to it.
-#define STENCIL_EDGE 0x80
-#define STENCIL_COUNT 0x7f
+#define STENCIL_EDGE 128
+#define STENCIL_COUNT 127
