@@ -1,6 +1,7 @@
 // Written by tools/shaders.
 embed![
     "base.frag",
+    "bloom.frag",
     "edges.frag",
     "forward.frag",
     "fullscreen.vert",

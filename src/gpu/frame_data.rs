@@ -86,6 +86,7 @@ impl FrameData {
         size: [u32; 2],
         scene: Everything<'_>,
         cull: bool,
+        [share, factor]: [f32; 2],
     ) -> Written {
         let Everything { objects, lights, light_lists, ambient_nt } = scene;
         let mut uniforms = view.uniforms(plan, size, ambient_nt);
@@ -101,6 +102,7 @@ impl FrameData {
         let counts = lights.write_visible(frustum, light_list, light_lists.reaches_mut());
         uniforms.light_counts = counts;
         uniforms.hemispheres = lights.hemispheres();
+        uniforms.bloom = [share, factor, 0.0, 0.0];
         if let Some(buffer) = &mut self.uniforms {
             buffer.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
         }

@@ -42,6 +42,7 @@ mod offscreen;
 mod owned;
 mod pass;
 mod pipeline;
+mod post;
 mod query;
 mod readback;
 mod renderer;

@@ -72,11 +72,13 @@ pub enum Module {
     ShadowVertex,
     /// Copies a tile of one shadow map to another.
     ShadowCompose,
+    /// Spreads light.
+    Bloom,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -91,6 +93,7 @@ impl Module {
         Self::Lighting,
         Self::Tonemap,
         Self::ShadowCompose,
+        Self::Bloom,
         Self::LightingSamples,
         Self::TonemapSamples,
         Self::Edges,
@@ -114,6 +117,7 @@ impl Module {
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
+            Self::Bloom => "bloom.frag",
         }
     }
 

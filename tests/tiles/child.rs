@@ -6,8 +6,8 @@ use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
 use ontile::plan::{
-    Access, Adreno, Bins, DepthStore, Edges, Layout, LightWay, Limits, Needs, Options, Path as LightPath,
-    Plan, Store, Strategy,
+    Access, Adreno, Bins, BloomWay, DepthStore, Edges, Layout, LightWay, Limits, Needs, Options,
+    Path as LightPath, Plan, Store, Strategy,
 };
 use ontile::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,7 @@ pub struct Case {
     pub recycle: bool,
     pub samples: u32,
     pub edges: Edges,
+    pub bloom: BloomWay,
     pub fault: Option<Fault>,
     /// `RendererConfig::capture`.
     pub capture: bool,
@@ -80,6 +81,7 @@ impl Case {
             recycle: true,
             samples: 1,
             edges: Edges::Auto,
+            bloom: BloomWay::Off,
             fault: None,
             capture: false,
             stage_timestamps: false,
@@ -106,6 +108,7 @@ impl Case {
             recycle: self.recycle,
             samples: self.samples,
             edges: self.edges,
+            bloom: self.bloom,
             ..Options::default()
         };
         // What every Adreno of these generations allows.

@@ -25,7 +25,14 @@ pub(in crate::gpu) enum SecondSet {
     /// `SET_MATERIAL`: a material with this many textures.
     Material { textures: u32 },
     /// `SET_INPUTS`: this many input attachments.
-    Inputs { count: u32 },
+    Inputs {
+        /// How many.
+        count: u32,
+        /// Whether scattered light is sampled beside them.
+        bloom: bool,
+    },
+    /// What a pass after the frame's own samples: bit `n` is binding `n`.
+    Samplers { bindings: u32 },
     /// There is none.
     Nothing,
 }
@@ -128,12 +135,19 @@ impl Family {
             | Pipeline::Tonemap
             | Pipeline::Edges
             | Pipeline::EdgeLighting
-            | Pipeline::EdgeVolume(_) => {
-                SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
-            }
+            | Pipeline::EdgeVolume(_) => SecondSet::Inputs {
+                count: plan.subpass(stage).2.inputs.len() as u32,
+                bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
+            },
         };
         let one_light = matches!(pipeline, Pipeline::Light(_));
         Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, one_light }
+    }
+
+    /// What a pass after the frame's own reads: bits of its samplers' bindings, and whether the camera.
+    pub(in crate::gpu) fn of_post(bindings: u32, camera: bool) -> Self {
+        let frame = if camera { 1 << FRAME } else { 0 };
+        Self { frame, second: SecondSet::Samplers { bindings }, one_light: false }
     }
 
     /// Whether its pipelines are told a light by push constant.
@@ -165,8 +179,16 @@ impl Family {
                 std::iter::once(numbers).chain(images).collect()
             }
             SecondSet::Nothing => Vec::new(),
-            SecondSet::Inputs { count } => {
-                (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT)).collect()
+            SecondSet::Inputs { count, bloom } => {
+                let inputs = (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT));
+                let scattered = const { shared("BINDING_BLOOM") };
+                inputs
+                    .chain(bloom.then_some((scattered, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT)))
+                    .collect()
+            }
+            SecondSet::Samplers { bindings } => {
+                let bound = (0..u32::BITS).filter(|b| bindings & (1 << b) != 0);
+                bound.map(|b| (b, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT)).collect()
             }
         };
         [in_frame.map(|&(binding, ty, stages)| (binding, ty, 1, stages)).collect(), second]

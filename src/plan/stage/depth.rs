@@ -21,7 +21,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
     let before_sky = needs.sky && needs.triangles > 0;
     let is_read = path == Path::Deferred && needs.lit.is_some() && gbuffer.reads_depth_attachment();
     let marks_edges = edges != Edges::All;
-    if !(needs.triangles > 1 || one_by_one || before_sky || is_read || marks_edges) {
+    if !(needs.triangles > 1 || one_by_one || before_sky || is_read || marks_edges || options.edge_filter) {
         return Depth { resource: None, drawn: None, is_read };
     }
     let stencil = way == LightWay::Stencil || marks_edges;
