@@ -72,13 +72,17 @@ pub enum Module {
     ShadowVertex,
     /// Copies a tile of one shadow map to another.
     ShadowCompose,
+    /// Lays fog over surfaces of the G-buffer.
+    Fog,
+    /// [`Self::Fog`] of several samples a pixel.
+    FogSamples,
     /// Spreads light.
     Bloom,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -97,6 +101,8 @@ impl Module {
         Self::LightingSamples,
         Self::TonemapSamples,
         Self::Edges,
+        Self::Fog,
+        Self::FogSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -117,6 +123,7 @@ impl Module {
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
+            Self::Fog | Self::FogSamples => "fog.frag",
             Self::Bloom => "bloom.frag",
         }
     }
@@ -126,6 +133,7 @@ impl Module {
         match self {
             Self::LightingSamples => "lighting_samples.frag",
             Self::TonemapSamples => "tonemap_samples.frag",
+            Self::FogSamples => "fog_samples.frag",
             _ => self.source(),
         }
     }
@@ -143,6 +151,7 @@ impl Module {
         match self {
             Self::Lighting => Self::LightingSamples,
             Self::Tonemap => Self::TonemapSamples,
+            Self::Fog => Self::FogSamples,
             other => other,
         }
     }

@@ -11,7 +11,7 @@ pub(super) fn resolve(
     path: Path,
     way: LightWay,
 ) -> (Edges, Option<String>) {
-    if options.samples == 1 || path != Path::Deferred || needs.lit.is_none() {
+    if options.samples == 1 || path != Path::Deferred || needs.lit_opaque.is_none() {
         return (Edges::All, None);
     }
     let in_order = way.is_one_by_one() && matches!(gbuffer.light, LightPlace::Read(_));

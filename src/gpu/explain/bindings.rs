@@ -45,6 +45,7 @@ impl Elements<'_> {
                     Pipeline::Lighting
                     | Pipeline::LightVolume(_)
                     | Pipeline::Tonemap
+                    | Pipeline::Fog
                     | Pipeline::Edges
                     | Pipeline::EdgeLighting
                     | Pipeline::EdgeVolume(_),

@@ -95,10 +95,10 @@ impl Family {
         let of_lights: Vec<u32> = match pipeline {
             Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
             Pipeline::LightVolume(_) | Pipeline::EdgeVolume(_) => lighting.chain([VOLUMES]).collect(),
-            Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Edges => Vec::new(),
-            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() || plan.has_light_target() => {
+            Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog | Pipeline::Edges => {
                 Vec::new()
             }
+            Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
             Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting | Pipeline::EdgeLighting => {
                 lighting.collect()
             }
@@ -133,6 +133,7 @@ impl Family {
             Pipeline::Lighting
             | Pipeline::LightVolume(_)
             | Pipeline::Tonemap
+            | Pipeline::Fog
             | Pipeline::Edges
             | Pipeline::EdgeLighting
             | Pipeline::EdgeVolume(_) => SecondSet::Inputs {
