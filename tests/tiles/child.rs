@@ -6,7 +6,7 @@ use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
 use ontile::plan::{
-    Access, Adreno, Bins, BloomWay, DepthStore, Edges, Layout, LightWay, Limits, Needs, Options,
+    Access, Adreno, Bins, BloomWay, DepthStore, Edges, Layout, LightWay, Limits, Merging, Needs, Options,
     Path as LightPath, Plan, Store, Strategy,
 };
 use ontile::scene::Scene;
@@ -118,6 +118,7 @@ impl Case {
             ordered_attachment_access: true,
             sample_counts: 7,
             word_sample_counts: 7,
+            merging: Merging { local_read: Ok(()), ..Merging::default() },
             ..Limits::default()
         };
         let mut plan = Plan::new(Needs::of(scene), options, &limits).unwrap();

@@ -206,8 +206,10 @@ pub(in crate::gpu) struct FamilyLayout {
 impl FamilyLayout {
     pub(super) fn new(device: &Device, family: Family) -> Result<Self> {
         let bindings = family.sets();
-        // Sets are numbered, so that an empty first one counts.
-        let sets = bindings.iter().enumerate().filter(|(i, b)| *i == 0 || !b.is_empty()).map(|(_, b)| b);
+        // Inputs are the second set, even after an empty one.
+        let is_second = matches!(family.second, SecondSet::Inputs { .. });
+        let sets = bindings.iter().enumerate();
+        let sets = sets.filter(|(i, b)| !b.is_empty() || *i == 0 && is_second).map(|(_, b)| b);
         let sets: Vec<_> =
             sets.map(|b| set_layout(device, b, &format!("{family:?}"))).collect::<Result<_>>()?;
         let raw: Vec<_> = sets.iter().map(Owned::raw).collect();
