@@ -141,7 +141,9 @@ impl Module {
     /// What is defined when it is compiled.
     pub fn defines(self) -> &'static [&'static str] {
         match self {
-            Self::Edges | Self::LightingSamples | Self::TonemapSamples => &["MULTISAMPLED"],
+            Self::Edges | Self::LightingSamples | Self::TonemapSamples | Self::FogSamples => {
+                &["MULTISAMPLED"]
+            }
             _ => &[],
         }
     }

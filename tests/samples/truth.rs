@@ -16,7 +16,7 @@ const SIZE: [u32; 2] = [96, 54];
 const MOST_LEFT: f64 = 0.8;
 
 /// The same against samples in the device's own places: outlines are then the same, and shading within a pixel is left.
-const MOST_LEFT_IN_PLACE: f64 = 0.25;
+const MOST_LEFT_IN_PLACE: f64 = 0.5;
 
 fn light(gpu: &Gpu<'_>, scene: &Scene, samples: u32, edges: Edges) -> Vec<DVec3> {
     let (layout, output) = (Layout::Exact, OutputFormat::Rgba32Float);
