@@ -43,16 +43,17 @@
 #define INPUT_LIGHT_WORD 10
 #define INPUT_LIGHT 11
 #define INPUT_SPECULAR_LIGHT 12
-#define INPUT_LAYER_0 20
-#define INPUT_LAYER_1 21
-#define INPUT_LAYER_2 22
-#define INPUT_LAYER_3 23
-#define INPUT_WEIGHTED_LIGHT 24
-#define INPUT_WEIGHTS 25
-#define INPUT_DEPTH_TEST 26
-#define INPUT_DEPTH_STENCIL_TEST 26
-#define INPUT_PEEL_A 26
-#define INPUT_PEEL_B 26
+#define INPUT_EDGE 20
+#define INPUT_LAYER_0 24
+#define INPUT_LAYER_1 25
+#define INPUT_LAYER_2 26
+#define INPUT_LAYER_3 27
+#define INPUT_WEIGHTED_LIGHT 28
+#define INPUT_WEIGHTS 29
+#define INPUT_DEPTH_TEST 30
+#define INPUT_DEPTH_STENCIL_TEST 30
+#define INPUT_PEEL_A 30
+#define INPUT_PEEL_B 30
 
 // Vertex attribute locations.
 #define ATTRIBUTE_POSITION 0
@@ -84,13 +85,14 @@
 #define TARGET_LIGHT 11
 #define TARGET_SPECULAR_LIGHT 12
 #define TARGET_OUTPUT 13
+#define TARGET_EDGE 20
 #define TARGET_BLOOM_LIGHT 14
-#define TARGET_LAYER_0 20
-#define TARGET_LAYER_1 21
-#define TARGET_LAYER_2 22
-#define TARGET_LAYER_3 23
-#define TARGET_WEIGHTED_LIGHT 24
-#define TARGET_WEIGHTS 25
+#define TARGET_LAYER_0 24
+#define TARGET_LAYER_1 25
+#define TARGET_LAYER_2 26
+#define TARGET_LAYER_3 27
+#define TARGET_WEIGHTED_LIGHT 28
+#define TARGET_WEIGHTS 29
 
 // Specialisation constant ids.
 #define ID_TEXTURE_COUNT 0
@@ -155,6 +157,8 @@
 #define ID_SAMPLE_DEPTH 69
 #define ID_RESOLVE_PLAIN 70
 #define ID_FLOAT_OUTPUT 71
+#define ID_EDGE_TARGET 72
+#define ID_EDGE_MASKS 73
 #define ID_BLOOM 80
 #define ID_BLOOM_STORED 81
 #define ID_BLOOM_STEP 82
@@ -237,3 +241,7 @@
 #define VOLUME_SPHERE 1
 #define VOLUME_CONE 2
 #define VOLUME_BOX 3
+
+// Bits of the stencil: pixels that are lit sample by sample, and what counts volumes' sides, from 0 and back to it.
+#define STENCIL_EDGE 128
+#define STENCIL_COUNT 127

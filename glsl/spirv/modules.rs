@@ -3,6 +3,7 @@ embed![
     "base.frag",
     "bloom.frag",
     "composite.frag",
+    "edges.frag",
     "fog.frag",
     "fog_samples.frag",
     "forward.frag",

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::{
-    BloomWay, Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
-    ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap, Translucency,
+    BloomWay, Brdf, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
+    OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap, Translucency,
 };
 use crate::environment::TexelFormat;
 
@@ -101,7 +101,9 @@ pub struct Options {
     pub translucency_layers: Option<u32>,
     /// Samples a pixel: 1, 2, 4 or 8, as the device allows.
     pub samples: u32,
-    /// How they become one.
+    /// Which pixels are lit sample by sample.
+    pub edges: Edges,
+    /// How samples become one.
     pub resolve: ResolveWay,
     /// Light that lens and eye scatter around bright places.
     pub bloom: BloomWay,
@@ -143,6 +145,7 @@ impl Default for Options {
             translucency: Translucency::Sorted,
             translucency_layers: None,
             samples: 1,
+            edges: Edges::Auto,
             resolve: ResolveWay::Tonemapped,
             bloom: BloomWay::Off,
             bloom_strength: 0.05,
