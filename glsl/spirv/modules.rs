@@ -2,6 +2,7 @@
 embed![
     "base.frag",
     "bloom.frag",
+    "edges.frag",
     "fog.frag",
     "fog_samples.frag",
     "forward.frag",

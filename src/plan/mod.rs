@@ -15,6 +15,7 @@ mod check;
 mod choice;
 mod counts;
 mod derive;
+mod edges;
 mod format;
 mod layout;
 mod ledger;
@@ -58,8 +59,8 @@ pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};
 pub(crate) use names::named_enum;
 pub use names::{
-    BloomWay, Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
-    ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
+    BloomWay, Brdf, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
+    OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
@@ -152,6 +153,8 @@ pub struct Plan {
     pub folded: bool,
     /// How lights reach pixels: what [`Options::lights`] comes to for this scene, never [`LightWay::Auto`].
     pub light_way: LightWay,
+    /// Which pixels are lit sample by sample: what [`Options::edges`] comes to, never [`Edges::Auto`].
+    pub edges: Edges,
     /// With [`LightWay::Clusters`]: the lights of each part of the view, listed for every frame.
     pub clusters: Option<ClusterBudget>,
     /// The shadow map, where lights cast shadows; it is drawn before the first pass.
@@ -202,7 +205,9 @@ impl Plan {
         if path == Path::Deferred && needs.lit_opaque.is_some() {
             check_light(&gbuffer, &needs, &options, light_way, limits)?;
         }
-        let frame = stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil);
+        let (edges, edges_why) = edges::resolve(&needs, &options, &gbuffer, path, light_way);
+        let frame =
+            stage::Frame::new(&needs, &options, &gbuffer, path, (light_way, edges), limits.depth_stencil);
         samples::check(&options, path, frame.folded)?;
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options, strategy);
@@ -212,12 +217,13 @@ impl Plan {
         let post = Post::new(&options, &attachments);
         let (shadow_map, shadows_told) = ShadowMap::new(&needs.shadows, &options, limits);
         let around = around::images(&needs, &options);
-        let pipelines = pipeline::of(&frame, &needs, light_way);
+        let pipelines = pipeline::of(&frame, &needs, light_way, edges);
         let folded = frame.folded;
         let mut notes = options.gbuffer_why.clone();
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
         notes.extend(strategy_why);
         notes.extend(samples::notes(&options, &attachments));
+        notes.extend(edges_why);
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
@@ -237,6 +243,7 @@ impl Plan {
             path,
             folded,
             light_way,
+            edges,
             clusters,
             shadow_map,
             post,
@@ -305,6 +312,14 @@ impl Plan {
         let (pass, _, subpass) = self.subpass(stage);
         let drawn = subpass.colors.iter().chain(&subpass.depth).next();
         drawn.map_or(1, |&a| self.attachments[self.passes[pass].attachments[a].attachment].samples)
+    }
+
+    /// Whether a shader compares samples to find edges: where the outlines of triangles do not tell of all.
+    pub fn compares_samples(&self) -> bool {
+        match self.edges {
+            Edges::Coverage => self.needs.kinds.iter().any(|need| need.kind.alpha_mask),
+            edges => edges == Edges::Compare,
+        }
     }
 
     /// Pass, position in it and subpass of a stage.

@@ -42,7 +42,13 @@ impl Elements<'_> {
             return match found {
                 Some((
                     stage,
-                    Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap | Pipeline::Fog,
+                    Pipeline::Lighting
+                    | Pipeline::LightVolume(_)
+                    | Pipeline::Tonemap
+                    | Pipeline::Fog
+                    | Pipeline::Edges
+                    | Pipeline::EdgeLighting
+                    | Pipeline::EdgeVolume(_),
                 )) => self.input(*stage, binding),
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),
                 _ => {

@@ -11,7 +11,7 @@ pub(super) use samples::add as multisample;
 pub use translucency::NAME as TRANSLUCENCY;
 
 use super::layout::{GBuffer, LightTarget, Target};
-use super::{Format, LightWay, Needs, Options, Path, ResolveWay};
+use super::{Edges, Format, LightWay, Needs, Options, Path, ResolveWay};
 
 /// Something that stages write and read, one value a sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,7 +101,7 @@ impl Frame {
         options: &Options,
         gbuffer: &GBuffer,
         path: Path,
-        way: LightWay,
+        (way, edges): (LightWay, Edges),
         depth_stencil: Format,
     ) -> Self {
         let mut frame = Self {
@@ -118,7 +118,7 @@ impl Frame {
             stages: Vec::new(),
             folded: false,
         };
-        let asked = Asked { needs, options, gbuffer, path, way, depth_stencil };
+        let asked = Asked { needs, options, gbuffer, path, way, edges, depth_stencil };
         let depth = depth::add(&mut frame, &asked);
         match (&needs.lit_opaque, path) {
             (Some(lit), Path::Deferred) => deferred::add(&mut frame, &asked, &depth, lit),
@@ -176,6 +176,7 @@ struct Asked<'a> {
     gbuffer: &'a GBuffer,
     path: Path,
     way: LightWay,
+    edges: Edges,
     depth_stencil: Format,
 }
 
