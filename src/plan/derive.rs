@@ -1,6 +1,8 @@
 //! From stages to passes: which resources share an attachment, which stages share a pass, what is loaded and
 //! stored, and which dependencies order it all. Nothing here is typed in by hand; it follows from `Stage::uses`.
 
+mod cover;
+
 use std::collections::BTreeMap;
 
 use super::access::{Access, Scope, State};
@@ -160,9 +162,10 @@ fn pass(
             last: after,
         });
     }
-    touches.values().for_each(|touches| dependencies.cover(touches));
     for touches in touches.values() {
-        dependencies.rearrange(frame, touches, frame.resources[touches[0].resource].format.is_depth());
+        let depth = frame.resources[touches[0].resource].format.is_depth();
+        dependencies.cover(touches, depth, frame.stages.iter().any(|stage| stage.name == super::stage::PEEL));
+        dependencies.rearrange(frame, touches, depth);
     }
     let index_of =
         |resource| attachments.iter().position(|a| a.attachment == place_of(resource)).unwrap_or(0);
@@ -357,36 +360,6 @@ impl Dependencies {
                     (false, false) => format!("{} is read twice, then dropped or stored", names[0]),
                 };
                 self.add(Some(a.subpass), Some(b.subpass), (Access::of(&a.uses), after), why);
-            }
-        }
-    }
-
-    /// Where one subpass waits for another for the sake of one attachment, and both use another attachment with a third subpass
-    /// between them, its writes are ordered by way of the third. They are named here too, since validation layers look at each
-    /// dependency by itself.
-    fn cover(&mut self, touches: &[Touch]) {
-        for (index, a) in touches.iter().enumerate().filter(|(_, a)| a.writes()) {
-            for b in touches.iter().skip(index + 2) {
-                let before = Access::of(&a.uses);
-                let direct = self.0.get_mut(&(Some(a.subpass), Some(b.subpass)));
-                if let Some(direct) = direct.filter(|d| !d.before.is_superset(&before)) {
-                    direct.before.extend(before);
-                    direct.after.extend(Access::of(&b.uses));
-                }
-            }
-        }
-    }
-
-    /// Where a read follows a read, but in another state: the change between them is a write, and waits for the first.
-    fn rearrange(&mut self, frame: &Frame, touches: &[Touch], depth: bool) {
-        for pair in touches.windows(2).filter(|pair| !pair.iter().any(Touch::writes)) {
-            let [a, b] = [&pair[0], &pair[1]];
-            let ordered = self.0.contains_key(&(Some(a.subpass), Some(b.subpass)));
-            if State::of(&a.uses, depth) != State::of(&b.uses, depth) && !ordered {
-                let why =
-                    format!("{} is read, then read in another layout", frame.resources[b.resource].name);
-                let before = Access::of(&a.uses);
-                self.add(Some(a.subpass), Some(b.subpass), (before, Access::of(&b.uses)), why);
             }
         }
     }

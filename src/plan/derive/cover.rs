@@ -1,0 +1,50 @@
+//! Dependencies between subpasses that others imply, or that a change of layout alone asks for.
+
+use super::{Access, Dependencies, Frame, State, Touch};
+
+impl Dependencies {
+    /// Where one subpass waits for another for the sake of one attachment, and both use another attachment with a third subpass
+    /// between them, its writes are ordered by way of the third. They are named here too, since validation layers look at each
+    /// dependency by itself.
+    ///
+    /// Where attachments change between reading and writing more than once (`alternates`), what a subpass leaves alone is named
+    /// too.
+    pub(super) fn cover(&mut self, touches: &[Touch], depth: bool, alternates: bool) {
+        for (index, b) in touches.iter().enumerate().filter(|_| alternates) {
+            let is_last = index + 1 == touches.len();
+            for ((from, to), direct) in &mut self.0 {
+                let (Some(from), Some(to)) = (*from, *to) else { continue };
+                let Some(a) = touches[..index].iter().rev().find(|a| a.subpass <= from) else { continue };
+                if to == b.subpass {
+                    direct.before.extend(Access::of(&a.uses));
+                    direct.after.extend(Access::of(&b.uses));
+                    direct.after.extend(is_last.then(|| Access::store(depth)));
+                }
+            }
+        }
+        for (index, a) in touches.iter().enumerate().filter(|(_, a)| a.writes()) {
+            for b in touches.iter().skip(index + 2) {
+                let before = Access::of(&a.uses);
+                let direct = self.0.get_mut(&(Some(a.subpass), Some(b.subpass)));
+                if let Some(direct) = direct.filter(|d| !d.before.is_superset(&before)) {
+                    direct.before.extend(before);
+                    direct.after.extend(Access::of(&b.uses));
+                }
+            }
+        }
+    }
+
+    /// Where a read follows a read, but in another state: the change between them is a write, and waits for the first.
+    pub(super) fn rearrange(&mut self, frame: &Frame, touches: &[Touch], depth: bool) {
+        for pair in touches.windows(2).filter(|pair| !pair.iter().any(Touch::writes)) {
+            let [a, b] = [&pair[0], &pair[1]];
+            let ordered = self.0.contains_key(&(Some(a.subpass), Some(b.subpass)));
+            if State::of(&a.uses, depth) != State::of(&b.uses, depth) && !ordered {
+                let why =
+                    format!("{} is read, then read in another layout", frame.resources[b.resource].name);
+                let before = Access::of(&a.uses);
+                self.add(Some(a.subpass), Some(b.subpass), (before, Access::of(&b.uses)), why);
+            }
+        }
+    }
+}
