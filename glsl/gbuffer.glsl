@@ -42,26 +42,26 @@ layout(location = TARGET_MORE_WORDS) out uvec4 target_more_words;
 layout(location = TARGET_LIGHT_WORD) out uvec2 target_light_word;
 #endif
 
-layout(set = SET_INPUTS, binding = INPUT_DEPTH, input_attachment_index = INPUT_DEPTH) uniform inputAttachment input_depth;
-layout(set = SET_INPUTS, binding = INPUT_POSITION, input_attachment_index = INPUT_POSITION)
+layout(INPUT_AT(INPUT_DEPTH)) uniform inputAttachment input_depth;
+layout(INPUT_AT(INPUT_POSITION))
     uniform inputAttachment input_position;
-layout(set = SET_INPUTS, binding = INPUT_POSITION_Z, input_attachment_index = INPUT_POSITION_Z)
+layout(INPUT_AT(INPUT_POSITION_Z))
     uniform inputAttachment input_position_z;
-layout(set = SET_INPUTS, binding = INPUT_NORMAL_ROUGHNESS, input_attachment_index = INPUT_NORMAL_ROUGHNESS)
+layout(INPUT_AT(INPUT_NORMAL_ROUGHNESS))
     uniform inputAttachment input_normal_roughness;
-layout(set = SET_INPUTS, binding = INPUT_NORMAL, input_attachment_index = INPUT_NORMAL)
+layout(INPUT_AT(INPUT_NORMAL))
     uniform inputAttachment input_normal;
-layout(set = SET_INPUTS, binding = INPUT_NORMAL_XY, input_attachment_index = INPUT_NORMAL_XY)
+layout(INPUT_AT(INPUT_NORMAL_XY))
     uniform inputAttachment input_normal_xy;
-layout(set = SET_INPUTS, binding = INPUT_BASE_METALLIC, input_attachment_index = INPUT_BASE_METALLIC)
+layout(INPUT_AT(INPUT_BASE_METALLIC))
     uniform inputAttachment input_base_metallic;
-layout(set = SET_INPUTS, binding = INPUT_SPECULAR, input_attachment_index = INPUT_SPECULAR)
+layout(INPUT_AT(INPUT_SPECULAR))
     uniform inputAttachment input_specular;
-layout(set = SET_INPUTS, binding = INPUT_WORDS, input_attachment_index = INPUT_WORDS)
+layout(INPUT_AT(INPUT_WORDS))
     uniform uinputAttachment input_words;
-layout(set = SET_INPUTS, binding = INPUT_MORE_WORDS, input_attachment_index = INPUT_MORE_WORDS)
+layout(INPUT_AT(INPUT_MORE_WORDS))
     uniform uinputAttachment input_more_words;
-layout(set = SET_INPUTS, binding = INPUT_LIGHT_WORD, input_attachment_index = INPUT_LIGHT_WORD)
+layout(INPUT_AT(INPUT_LIGHT_WORD))
     uniform uinputAttachment input_light_word;
 
 vec3 read_position() {

@@ -142,6 +142,7 @@
 #define ID_BLOOM_STORED 81
 #define ID_BLOOM_STEP 82
 #define ID_BLOOM_DISPLAYED 83
+#define ID_DEPTH_STEP 84
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0
@@ -192,6 +193,7 @@
 #define SET_POST 0
 #define BINDING_POST_COLOR 25
 #define BINDING_POST_OWN 26
+#define BINDING_EDGE_COLOR 27
 
 // Values of the constant BLOOM_STEP.
 #define BLOOM_STEP_FIRST 0

@@ -314,6 +314,7 @@ fn every_constant() -> Specialization {
         .and(Specialization::brdf(Brdf::Exact))
         .and(Specialization::volume(0))
         .and(every_constant_of_bloom())
+        .and(Specialization::edge_filter(0.0))
 }
 
 #[test]

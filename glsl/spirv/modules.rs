@@ -2,6 +2,7 @@
 embed![
     "base.frag",
     "bloom.frag",
+    "edge_filter.frag",
     "forward.frag",
     "fullscreen.vert",
     "geometry.frag",

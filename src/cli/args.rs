@@ -182,6 +182,10 @@ pub struct PlanArgs {
     /// How far bloom reaches, as a share of the picture's shorter side, above 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, allow_negative_numbers = true)]
     pub bloom_radius: f32,
+    /// Smooth edges that depth and normals of neighbours show, in a pass after the frame's own, for which they are stored
+    /// [default: off]
+    #[arg(long)]
+    pub edge_filter: bool,
 }
 
 impl PlanArgs {
@@ -216,6 +220,7 @@ impl PlanArgs {
             bloom: self.bloom,
             bloom_strength: self.bloom_strength,
             bloom_radius: self.bloom_radius,
+            edge_filter: self.edge_filter,
             dither: self.dither,
             samples: self.samples,
             resolve: self.resolve,

@@ -72,11 +72,13 @@ pub enum Module {
     ShadowCompose,
     /// Spreads light.
     Bloom,
+    /// Smooths edges.
+    EdgeFilter,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -92,6 +94,7 @@ impl Module {
         Self::Tonemap,
         Self::ShadowCompose,
         Self::Bloom,
+        Self::EdgeFilter,
         Self::LightingSamples,
         Self::TonemapSamples,
     ];
@@ -114,6 +117,7 @@ impl Module {
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
             Self::Bloom => "bloom.frag",
+            Self::EdgeFilter => "edge_filter.frag",
         }
     }
 

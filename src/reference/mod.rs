@@ -23,6 +23,7 @@ pub mod around;
 pub mod bloom;
 pub mod brdf;
 mod bvh;
+pub mod edge_filter;
 pub mod environment;
 pub mod fog;
 pub mod frame;

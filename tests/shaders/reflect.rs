@@ -305,14 +305,17 @@ impl Reflection {
                     Some(input) => {
                         let input = format!("INPUT_{input}");
                         resource("SET_INPUTS", input.clone());
+                        // Later passes sample what was an input.
                         let index = decoration(Decoration::InputAttachmentIndex);
-                        compare(&name, "input attachment index", index, input);
+                        if index.is_some() {
+                            compare(&name, "input attachment index", index, input);
+                        }
                     }
                     None => match upper("material_") {
                         Some(texture) => resource("SET_MATERIAL", format!("BINDING_{texture}")),
                         None => {
                             let set = match name.as_str() {
-                                "bloom" => "SET_INPUTS",
+                                "bloom" | "edge_color" => "SET_INPUTS",
                                 name if name.starts_with("post_") => "SET_POST",
                                 _ => "SET_FRAME",
                             };

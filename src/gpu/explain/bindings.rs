@@ -36,7 +36,11 @@ impl Elements<'_> {
         let name = shared_names("BINDING_").find(|(_, number)| *number == binding).map(|(name, _)| name);
         if binding >= const { shared("BINDING_BLOOM") } {
             let name = name.unwrap_or("(without a name)").to_lowercase().replace('_', " ");
-            return (name, format!("the option bloom is {}", self.plan.options.bloom));
+            let why = match binding == const { shared("BINDING_EDGE_COLOR") } {
+                true => "the option edge filter".into(),
+                false => format!("the option bloom is {}", self.plan.options.bloom),
+            };
+            return (name, why);
         }
         if set != SET_FRAME {
             return match found {

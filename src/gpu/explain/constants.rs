@@ -91,6 +91,7 @@ impl Elements<'_> {
             "BLOOM" | "BLOOM_STORED" | "BLOOM_STEP" | "BLOOM_DISPLAYED" => {
                 format!("the option bloom is {}", options.bloom)
             }
+            "DEPTH_STEP" => "the depth that the edge filter samples has steps".into(),
             _ => "asked for by the options".into(),
         }
     }

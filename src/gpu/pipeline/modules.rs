@@ -57,7 +57,7 @@ fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
     }
 }
 
-fn gbuffer_constants(plan: &Plan) -> GBufferConstants {
+pub(in crate::gpu) fn gbuffer_constants(plan: &Plan) -> GBufferConstants {
     GBufferConstants {
         exists: plan.has_gbuffer(),
         light_target: plan.has_light_target(),

@@ -42,6 +42,11 @@ impl Specialization {
         ])
     }
 
+    /// The constant of [`super::Module::EdgeFilter`] beside those of the G-buffer: what lies between two values of depth.
+    pub fn edge_filter(depth_step: f32) -> Self {
+        Self::from_pairs(&[(const { shared("ID_DEPTH_STEP") }, depth_step.to_bits())])
+    }
+
     /// The constant of all modules that evaluate reflection.
     pub fn brdf(brdf: Brdf) -> Self {
         let value = match brdf {
