@@ -113,11 +113,14 @@ vec3 box_position_world(Light light, uint vertex) {
 }
 
 void main() {
-    uint index = volumes[gl_InstanceIndex];
+    uint index = uint(gl_InstanceIndex);
+    if (VOLUME_SHAPE != VOLUME_OF_INSTANCE) {
+        index = volumes[gl_InstanceIndex];
+    }
     varying_light = index;
     uint vertex = uint(gl_VertexIndex);
     vec3 position;
-    if (VOLUME_SHAPE == VOLUME_SCREEN) {
+    if (VOLUME_SHAPE == VOLUME_SCREEN || VOLUME_SHAPE == VOLUME_OF_INSTANCE) {
         // As fullscreen.vert.
         vec2 corner = vec2(vertex & 1u, vertex >> 1);
         gl_Position = vec4(corner * 4.0 - 1.0, 0.0, 1.0);

@@ -22,6 +22,8 @@
 #define BINDING_LIGHTMAP 13
 #define BINDING_PROBES 14
 #define BINDING_VOLUMES 4
+#define BINDING_CASTERS 20
+#define BINDING_CASTER_INSTANCES 21
 // Beside input attachments: scattered light that the tone curve mixes in.
 #define BINDING_BLOOM 24
 #define BINDING_MATERIAL 0
@@ -143,6 +145,7 @@
 #define ID_BLOOM_STEP 82
 #define ID_BLOOM_DISPLAYED 83
 #define ID_DEPTH_STEP 84
+#define ID_SHADOW_VOLUMES 85
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0
@@ -211,3 +214,5 @@
 #define VOLUME_SPHERE 1
 #define VOLUME_CONE 2
 #define VOLUME_BOX 3
+// As the screen, for the light that the instance says.
+#define VOLUME_OF_INSTANCE 4

@@ -16,7 +16,7 @@ use ontile::gpu::shader::{
 };
 use ontile::gpu::shared::{
     ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush, MaterialData,
-    ProbeData, ShadowPush, ShadowViewData,
+    ProbeData, ShadowPush, ShadowViewData, VolumePush,
 };
 use ontile::plan::{BloomWay, Brdf, GBuffer, ResolveWay, Tonemap};
 use reflect::{Block, Reflection, block};
@@ -181,6 +181,10 @@ fn blocks() -> [Block; 10] {
             }
         ),
         block!("LightPush" = LightPush { light }),
+        block!(
+            "VolumePush" =
+                VolumePush { light, first_place, first_triangle, first_edge, edge_vertices, turned, unused }
+        ),
         block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
         block!(
             "ShadowView" =

@@ -14,6 +14,7 @@ embed![
     "mask.frag",
     "shadow.vert",
     "shadow_compose.frag",
+    "shadow_volume.vert",
     "sky.frag",
     "tonemap.frag",
     "tonemap_samples.frag",

@@ -186,6 +186,10 @@ pub struct PlanArgs {
     /// [default: off]
     #[arg(long)]
     pub edge_filter: bool,
+    /// Hard shadows, exact to the pixel, by counting the spaces behind what faces a light in the stencil, on the tile, in place of
+    /// shadow maps: for directional, point and spot lights without alpha masks in their reach [default: off]
+    #[arg(long)]
+    pub shadow_volumes: bool,
 }
 
 impl PlanArgs {
@@ -221,6 +225,7 @@ impl PlanArgs {
             bloom_strength: self.bloom_strength,
             bloom_radius: self.bloom_radius,
             edge_filter: self.edge_filter,
+            shadow_volumes: self.shadow_volumes,
             dither: self.dither,
             samples: self.samples,
             resolve: self.resolve,

@@ -40,7 +40,7 @@ pub(super) struct Written {
 /// What there is to see.
 pub(super) struct Everything<'a> {
     pub(super) objects: &'a mut Objects,
-    pub(super) lights: &'a Lights,
+    pub(super) lights: &'a mut Lights,
     pub(super) light_lists: &'a mut LightLists,
     pub(super) ambient_nt: glam::Vec3,
 }

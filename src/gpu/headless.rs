@@ -233,7 +233,8 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
         .pipeline_statistics_query(caps.pipeline_statistics)
         .image_cube_array(caps.image_cube_array)
         .occlusion_query_precise(caps.occlusion_precise)
-        .sample_rate_shading(caps.sample_rate_shading);
+        .sample_rate_shading(caps.sample_rate_shading)
+        .depth_clamp(caps.depth_clamp);
     // SAFETY: the device was enumerated from this instance.
     let offered = unsafe { instance.raw.enumerate_device_extension_properties(physical_device) };
     let offered = offered.called("vkEnumerateDeviceExtensionProperties")?;
@@ -270,6 +271,7 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
             occlusion_precise: caps.occlusion_precise,
             ordered_attachment_access: order.is_some(),
             sample_rate_shading: caps.sample_rate_shading,
+            depth_clamp: caps.depth_clamp,
         },
     };
     let owned = OwnedDevice { raw, _instance: instance };

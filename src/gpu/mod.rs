@@ -55,6 +55,7 @@ mod texture;
 mod upload;
 mod validation;
 mod view;
+mod volume_casters;
 
 pub use ash;
 pub use gpu_allocator;

@@ -2,6 +2,7 @@
 
 mod post;
 mod record;
+mod shadow_volumes;
 
 use std::sync::Arc;
 
@@ -253,7 +254,7 @@ impl Renderer {
     /// [`Error::Unsupported`] if the scene has no such instance, the matrix is not affine and finite, or the instance would
     /// become mirrored or cease to be (its determinant's sign): that takes another pipeline. Nothing is changed then.
     pub fn set_instance(&mut self, index: usize, world_from_object: &Mat4) -> Result<()> {
-        self.scene.objects_mut().set(index, world_from_object)?;
+        self.scene.set_instance(index, world_from_object)?;
         if let Some(shadows) = &mut self.shadows {
             shadows.set_instance(index, world_from_object);
         }

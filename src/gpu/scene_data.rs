@@ -10,12 +10,13 @@ use super::descriptor::{Content, DescriptorSets};
 use super::frame_data::{Everything, FrameData, Written};
 use super::globe_maps::GlobeMaps;
 use super::light_lists::LightLists;
-use super::lights::Lights;
+use super::lights::{Lights, VolumeLight};
 use super::material_data::Materials;
 use super::objects::{Batch, Objects};
 use super::pipeline::{Family, FamilyLayout, Pipelines};
 use super::shader::shared;
 use super::shadow::ShadowResources;
+use super::volume_casters::VolumeCasters;
 use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
 use crate::Result;
 use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind, VolumeShape};
@@ -37,6 +38,7 @@ pub(super) struct SceneData {
     geometry: Geometry,
     textures: Textures,
     globe_maps: Option<GlobeMaps>,
+    volume_casters: Option<VolumeCasters>,
     around: AroundData,
     ambient_nt: glam::Vec3,
 }
@@ -54,7 +56,7 @@ impl SceneData {
         let objects = Objects::new(scene, plan);
         let globes = (plan.needs.globe_maps > 0).then(|| scene.globe_layers()).transpose()?;
         let globe_layers = globes.as_ref().map(|g| g.first_of_light.as_slice());
-        let lights = Lights::new(&scene.lights, plan.shadow_map.as_ref(), globe_layers);
+        let lights = Lights::new(&scene.lights, plan.shadow_map.as_ref(), globe_layers, &plan.volume_lights);
         let materials: BTreeSet<_> = objects.batches().iter().map(|batch| batch.material).collect();
         let streams = streams(scene, plan, objects.batches());
         let geometry = Geometry::new(device, upload, &scene.meshes, &streams)?;
@@ -75,6 +77,10 @@ impl SceneData {
             geometry,
             textures,
             globe_maps: globes.map(|layers| GlobeMaps::new(device, upload, &layers)).transpose()?,
+            volume_casters: match plan.volume_lights.is_empty() {
+                true => None,
+                false => VolumeCasters::new(device, upload, scene, slots)?,
+            },
             around: AroundData::new(device, upload, scene, plan)?,
             ambient_nt: scene.ambient_nt,
         };
@@ -93,9 +99,23 @@ impl SceneData {
         self.light_lists.reaches()
     }
 
-    /// What is drawn, to move it.
-    pub(super) fn objects_mut(&mut self) -> &mut Objects {
-        &mut self.objects
+    /// Moves an element of `Scene::instances`.
+    pub(super) fn set_instance(&mut self, index: usize, world_from_object: &glam::Mat4) -> Result<()> {
+        self.objects.set(index, world_from_object)?;
+        if let Some(casters) = &mut self.volume_casters {
+            casters.set(index, world_from_object);
+        }
+        Ok(())
+    }
+
+    /// What casts shadows by volumes.
+    pub(super) fn volume_casters(&self) -> Option<&VolumeCasters> {
+        self.volume_casters.as_ref()
+    }
+
+    /// Lights with shadow volumes that the frame written last sees.
+    pub(super) fn volume_lights(&self) -> &[VolumeLight] {
+        self.lights.volumes()
     }
 
     /// The lights, to change them.
@@ -149,6 +169,7 @@ impl SceneData {
     pub(super) fn allocated_bytes(&self) -> u64 {
         self.frames.iter().map(FrameData::allocated_bytes).sum::<u64>()
             + self.materials.as_ref().map_or(0, Materials::allocated_bytes)
+            + self.volume_casters.as_ref().map_or(0, VolumeCasters::allocated_bytes)
             + self.geometry.allocated_bytes()
             + self.textures.allocated_bytes()
             + self.globe_maps.as_ref().map_or(0, GlobeMaps::allocated_bytes)
@@ -165,6 +186,9 @@ impl SceneData {
         cull: bool,
         scattered: [f32; 2],
     ) -> Written {
+        if let Some(casters) = &mut self.volume_casters {
+            casters.write(slot);
+        }
         let Self { objects, lights, light_lists, ambient_nt, .. } = self;
         let scene = Everything { objects, lights, light_lists, ambient_nt: *ambient_nt };
         self.frames[slot].write(view, plan, size, scene, cull, scattered)
@@ -260,6 +284,12 @@ impl SceneData {
                     b if b == const { shared("BINDING_LIGHTMAPS") } => frame.lightmap_rects.as_ref(),
                     b if b == const { shared("BINDING_LIGHTS") } => frame.lights.as_ref(),
                     b if b == const { shared("BINDING_SHADOW_VIEWS") } => shadows.map(|s| s.views(slot)),
+                    b if b == const { shared("BINDING_CASTERS") } => {
+                        self.volume_casters.as_ref().map(VolumeCasters::meshes)
+                    }
+                    b if b == const { shared("BINDING_CASTER_INSTANCES") } => {
+                        self.volume_casters.as_ref().map(|casters| casters.instances(slot))
+                    }
                     _ => frame.light_lists.as_ref(),
                 };
                 // What a pipeline reads exists.

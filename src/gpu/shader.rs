@@ -74,11 +74,13 @@ pub enum Module {
     Bloom,
     /// Smooths edges.
     EdgeFilter,
+    /// The space behind what faces a light.
+    ShadowVolumeVertex,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -95,6 +97,7 @@ impl Module {
         Self::ShadowCompose,
         Self::Bloom,
         Self::EdgeFilter,
+        Self::ShadowVolumeVertex,
         Self::LightingSamples,
         Self::TonemapSamples,
     ];
@@ -118,6 +121,7 @@ impl Module {
             Self::ShadowCompose => "shadow_compose.frag",
             Self::Bloom => "bloom.frag",
             Self::EdgeFilter => "edge_filter.frag",
+            Self::ShadowVolumeVertex => "shadow_volume.vert",
         }
     }
 

@@ -175,6 +175,26 @@ pub struct ClusterGrid {
     pub slice_bias: f32,
 }
 
+/// What a draw of shadow volumes is of: `VolumePush` in `glsl/shadow_volume.vert`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct VolumePush {
+    /// A light's place and 1, or the way towards a directional light and 0; world space.
+    pub light: [f32; 4],
+    /// Where the mesh's places are among the casters.
+    pub first_place: u32,
+    /// Likewise its triangles.
+    pub first_triangle: u32,
+    /// Likewise its edges.
+    pub first_edge: u32,
+    /// Six an edge; those of triangles follow.
+    pub edge_vertices: u32,
+    /// 1: triangles are clockwise from the front.
+    pub turned: u32,
+    /// To a multiple of 16 bytes.
+    pub unused: [u32; 3],
+}
+
 /// Which light a draw adds: `LightPush` in `glsl/light.frag`, std430.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

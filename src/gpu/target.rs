@@ -174,8 +174,8 @@ impl OutputBuilder<'_> {
         let mut wanted = Vec::new();
         for (index, (stage, pipeline)) in self.plan.pipelines.iter().enumerate() {
             // A stage's pipelines that read inputs read the same ones.
-            let reads =
-                !pipeline.is_of_surfaces() && !matches!(pipeline, Pipeline::LightMask(_) | Pipeline::Sky);
+            let reads = !pipeline.is_of_surfaces()
+                && !matches!(pipeline, Pipeline::LightMask(_) | Pipeline::ShadowVolume | Pipeline::Sky);
             if !reads || set_of_stage[*stage].is_some() {
                 continue;
             }

@@ -342,6 +342,8 @@ impl Plan {
             P::Sky => format!("sky, {} curve", self.options.tonemap),
             P::LightMask(shape) => format!("light mask, {shape}"),
             P::LightVolume(shape) => format!("light, {shape}"),
+            P::ShadowVolume => "shadow volumes".into(),
+            P::ShadowedLight => "light, where its shadow volumes are not".into(),
             P::Tonemap => format!("tonemap, {} curve{around}", self.options.tonemap),
         }
     }

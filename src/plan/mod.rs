@@ -32,6 +32,7 @@ mod print;
 mod samples;
 mod shadow;
 mod shadow_report;
+mod shadow_volumes;
 mod stage;
 mod targets;
 #[cfg(test)]
@@ -70,6 +71,7 @@ pub use shadow::{
 };
 pub(crate) use shadow_report::planned_bytes;
 pub use shadow_report::{ShadowFigures, ShadowLightReport, ShadowMapReport};
+pub use shadow_volumes::COUNT_BITS;
 
 use serde::Serialize;
 
@@ -92,6 +94,8 @@ pub struct Limits {
     /// (VK_EXT_rasterization_order_attachment_access). Mesa's Turnip keeps such passes on the tile; on Adreno 6xx it draws that
     /// subpass in its single-primitive mode, which waits where primitives overlap.
     pub ordered_attachment_access: bool,
+    /// Whether fragments beyond the far plane are kept (`depthClamp`): shadow volumes end nowhere.
+    pub depth_clamp: bool,
     /// Samples a pixel that attachments may have: the sum of the counts.
     pub sample_counts: u32,
     /// Likewise of attachments of words.
@@ -112,6 +116,7 @@ impl Default for Limits {
             depth_stencil: Format::D32FloatS8,
             gbuffer_on_chip: true,
             ordered_attachment_access: false,
+            depth_clamp: false,
             sample_counts: 1 | 4,
             word_sample_counts: 1 | 4,
             sample_shading: true,
@@ -146,6 +151,8 @@ pub struct Plan {
     pub clusters: Option<ClusterBudget>,
     /// The shadow map, where lights cast shadows; it is drawn before the first pass.
     pub shadow_map: Option<ShadowMap>,
+    /// Lights whose shadows are counted in the stencil, each added by itself: indices into `Scene::lights`.
+    pub volume_lights: Vec<usize>,
     /// Passes after the last one, where pixels' neighbours are needed.
     pub post: Post,
     /// Decisions that a reader may wonder about.
@@ -168,11 +175,15 @@ impl Plan {
         let (path, path_why) = path::resolve(&needs, &options, limits)?;
         post::check(&options, &needs, path)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
+        let volumes = shadow_volumes::resolve(&needs, &options, path, limits)?;
+        let by_volume = !volumes.lights.is_empty();
         let gbuffer = GBuffer::new(&options)?;
         if path == Path::Deferred && needs.lit.is_some() {
-            check_light(&gbuffer, &needs, &options, light_way, limits)?;
+            let one_by_one = light_way.is_one_by_one() || by_volume;
+            check_light(&gbuffer, &needs, &options, one_by_one, limits)?;
         }
-        let frame = stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil);
+        let frame =
+            stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil, by_volume);
         samples::check(&options, path, frame.folded)?;
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options);
@@ -180,9 +191,10 @@ impl Plan {
         check_counts(&passes, &options, limits)?;
         samples::check_limits(&attachments, &passes, &options, limits)?;
         let post = Post::new(&options, &attachments);
-        let (shadow_map, shadows_told) = ShadowMap::new(&needs.shadows, &options, limits);
+        let (shadow_map, shadows_told) =
+            ShadowMap::new(&needs.shadows.without(&volumes.lights), &options, limits);
         let around = around::images(&needs, &options);
-        let pipelines = pipeline::of(&frame, &needs, light_way);
+        let pipelines = pipeline::of(&frame, &needs, light_way, by_volume);
         let folded = frame.folded;
         let mut notes = options.gbuffer_why.clone();
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
@@ -190,6 +202,7 @@ impl Plan {
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
+        notes.extend(volumes.notes);
         notes.extend(shadows_told.notes);
         let warnings =
             shadows_told.warnings.into_iter().chain(notes::warning(&needs, &options, path, light_way));
@@ -207,6 +220,7 @@ impl Plan {
             light_way,
             clusters,
             shadow_map,
+            volume_lights: volumes.lights,
             post,
             notes,
             warnings,
@@ -231,7 +245,9 @@ impl Plan {
 
     /// What light is summed in, if it is.
     pub fn light_target(&self) -> Option<LightTarget> {
-        let one_by_one = self.path == Path::ForwardMultipass || self.light_way.is_one_by_one();
+        let one_by_one = self.path == Path::ForwardMultipass
+            || self.light_way.is_one_by_one()
+            || !self.volume_lights.is_empty();
         self.has_light_target().then(|| stage::added_light(&self.gbuffer, one_by_one).0)
     }
 

@@ -107,6 +107,9 @@ pub struct Options {
     pub bloom_radius: f32,
     /// Smooth edges, found by depth and normals of neighbours (Koonce 2007, listing 19-3), in a pass after the frame's own.
     pub edge_filter: bool,
+    /// Shadows by counting, in the stencil, the spaces behind what faces a light, in place of shadow maps: directional, point and spot
+    /// lights, each added by itself.
+    pub shadow_volumes: bool,
 }
 
 impl Default for Options {
@@ -142,6 +145,7 @@ impl Default for Options {
             bloom_strength: 0.05,
             bloom_radius: 0.1,
             edge_filter: false,
+            shadow_volumes: false,
         }
     }
 }

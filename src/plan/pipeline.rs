@@ -26,6 +26,10 @@ pub enum Pipeline {
     LightMask(VolumeShape),
     /// Adds lights of one shape, each on what its volume holds.
     LightVolume(VolumeShape),
+    /// Counts the spaces behind what faces a light around each surface; for lights with shadow volumes, each before it is added.
+    ShadowVolume,
+    /// Adds a light where none was counted, and clears the counts.
+    ShadowedLight,
     /// Applies the tone curve.
     Tonemap,
 }
@@ -47,7 +51,7 @@ impl Pipeline {
 }
 
 /// Those that draw a frame, with the stage they belong to, in order of drawing.
-pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pipeline)> {
+pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay, by_volume: bool) -> Vec<(usize, Pipeline)> {
     let stage = |name| frame.stages.iter().position(|s| s.name == name);
     let depths: BTreeSet<_> = needs.kinds.iter().map(|n| n.kind.depth()).collect();
     let depths =
@@ -60,7 +64,10 @@ pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pip
     });
     let lighting =
         stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
+    let volumes = stage("lighting").filter(|_| by_volume);
+    let volumes =
+        volumes.into_iter().flat_map(|s| [(s, Pipeline::ShadowVolume), (s, Pipeline::ShadowedLight)]);
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
     let sky = needs.sky.then_some((surface, Pipeline::Sky));
-    depths.chain(surfaces).chain(sky).chain(lights).chain(lighting).chain(tonemap).collect()
+    depths.chain(surfaces).chain(sky).chain(lights).chain(lighting).chain(volumes).chain(tonemap).collect()
 }

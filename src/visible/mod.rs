@@ -8,6 +8,7 @@ mod order;
 mod reach;
 mod shadow_views;
 mod sight;
+mod silhouette;
 mod texel_area;
 
 #[cfg(test)]
@@ -20,4 +21,5 @@ pub use order::{Distances, DrawOrder, sort_key, sorted_index};
 pub use reach::Reach;
 pub use shadow_views::{ShadowShape, ShadowView, ShadowVolume, TileSize};
 pub use sight::Sight;
+pub use silhouette::CasterMesh;
 pub use texel_area::TexelArea;

@@ -9,7 +9,7 @@ use ontile::plan::{
     Access, Adreno, Bins, BloomWay, DepthStore, Layout, LightWay, Limits, Needs, Options, Path as LightPath,
     Plan, Store, Strategy,
 };
-use ontile::scene::Scene;
+use ontile::scene::{Scene, Shadow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -26,6 +26,7 @@ pub struct Case {
     pub strategy: Strategy,
     pub recycle: bool,
     pub bloom: BloomWay,
+    pub shadow_volumes: bool,
     pub fault: Option<Fault>,
     /// `RendererConfig::capture`.
     pub capture: bool,
@@ -78,6 +79,7 @@ impl Case {
             strategy: Strategy::Subpasses,
             recycle: true,
             bloom: BloomWay::Off,
+            shadow_volumes: false,
             fault: None,
             capture: false,
             stage_timestamps: false,
@@ -88,6 +90,9 @@ impl Case {
     fn scene(&self) -> Scene {
         let mut scenes = scenes::built().into_iter();
         let mut scene = scenes.find(|scene| scene.name == self.scene).expect("a scene of this name");
+        if self.shadow_volumes {
+            scene.lights.iter_mut().for_each(|light| light.shadow = Some(Shadow::default()));
+        }
         scene.instances.iter_mut().rev().take(usize::from(self.moves)).for_each(|i| i.dynamic = true);
         scene
     }
@@ -103,6 +108,7 @@ impl Case {
             depth_prepass: self.depth_prepass,
             recycle: self.recycle,
             bloom: self.bloom,
+            shadow_volumes: self.shadow_volumes,
             ..Options::default()
         };
         // What every Adreno of these generations allows.
@@ -110,6 +116,7 @@ impl Case {
             max_color_attachments: 8,
             max_input_attachments: 8,
             ordered_attachment_access: true,
+            depth_clamp: true,
             ..Limits::default()
         };
         let mut plan = Plan::new(Needs::of(scene), options, &limits).unwrap();

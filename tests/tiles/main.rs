@@ -200,6 +200,8 @@ fn one_pass_stays_on_the_tile() {
         (3, Case { lights: LightWay::Volumes, ..Case::new(ALL_STAGES, Layout::Packed128) }),
         (3, Case { lights: LightWay::Stencil, ..Case::new(ALL_STAGES, Layout::Packed128) }),
         (3, Case { lights: LightWay::Volumes, ..Case::new("lights_only", Layout::Metallic256) }),
+        (3, Case { shadow_volumes: true, ..metallic("lights_only") }),
+        (3, Case { shadow_volumes: true, ..Case::new("lights_only", Layout::Packed128) }),
     ];
     for (subpasses, case) in &cases {
         frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));

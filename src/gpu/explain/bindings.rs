@@ -44,9 +44,13 @@ impl Elements<'_> {
         }
         if set != SET_FRAME {
             return match found {
-                Some((stage, Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap)) => {
-                    self.input(*stage, binding)
-                }
+                Some((
+                    stage,
+                    Pipeline::Lighting
+                    | Pipeline::LightVolume(_)
+                    | Pipeline::ShadowedLight
+                    | Pipeline::Tonemap,
+                )) => self.input(*stage, binding),
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),
                 _ => {
                     let slots = found.map_or_else(Vec::new, |(_, pipeline)| slots(pipeline));
@@ -82,6 +86,10 @@ impl Elements<'_> {
             }
             b if b == const { shared("BINDING_LIGHTMAP") } => {
                 ("lightmap", format!("{element} is lit by the lightmap"))
+            }
+            b if b == const { shared("BINDING_CASTERS") } => ("volume casters", self.volume_lights()),
+            b if b == const { shared("BINDING_CASTER_INSTANCES") } => {
+                ("volume caster instances", self.volume_lights())
             }
             _ => ("(without a name)", element.into()),
         };

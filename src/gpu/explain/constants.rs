@@ -60,6 +60,7 @@ impl Elements<'_> {
             "VOLUME_SHAPE" => format!("the shape of {element}"),
             "GLOBE_MAPS" => self.globe_light(),
             "SHADOWS" => self.shadow_lights(),
+            "SHADOW_VOLUMES" => self.volume_lights(),
             "SHADOW_FILTER" => {
                 format!("{}; the option shadow filter is {}", self.shadow_lights(), options.shadows.filter)
             }

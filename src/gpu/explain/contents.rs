@@ -85,6 +85,8 @@ impl Elements<'_> {
             (plan.needs.lightmap.is_some(), "lightmap parts", "instances have parts of the lightmap".into()),
             (frame(const { shared("BINDING_ENVIRONMENT") }), "environment", self.around()),
             (!plan.needs.probes.is_empty(), "probes", self.around()),
+            (!plan.volume_lights.is_empty(), "volume casters", self.volume_lights()),
+            (!plan.volume_lights.is_empty(), "volume caster instances", self.volume_lights()),
             (plan.shadow_map.is_some(), "shadow views", self.shadow_lights()),
             (plan.shadow_map.is_some(), "casters", self.shadow_lights()),
         ];

@@ -4,7 +4,7 @@ use ash::vk;
 
 use super::super::descriptor::{Binding, set_layout};
 use super::super::shader::{LightLoop, shared};
-use super::super::shared::LightPush;
+use super::super::shared::{LightPush, VolumePush};
 use super::super::{Device, Owned};
 use super::modules::lighting_constants;
 use crate::Result;
@@ -15,8 +15,18 @@ use crate::plan::{Around, Brdf, Pipeline, Plan};
 pub(in crate::gpu) struct Family {
     frame: u32,
     second: SecondSet,
-    /// Whether `LightPush` says which light it is.
-    one_light: bool,
+    push: Push,
+}
+
+/// Push constants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::gpu) enum Push {
+    /// There are none.
+    Nothing,
+    /// `LightPush`, for fragments.
+    Light,
+    /// `VolumePush`, for vertices.
+    Volume,
 }
 
 /// The set beside `SET_FRAME`.
@@ -51,9 +61,11 @@ const LIGHTMAPS: u32 = shared("BINDING_LIGHTMAPS");
 const LIGHTMAP: u32 = shared("BINDING_LIGHTMAP");
 const PROBES: u32 = shared("BINDING_PROBES");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
+const CASTERS: u32 = shared("BINDING_CASTERS");
+const CASTER_INSTANCES: u32 = shared("BINDING_CASTER_INSTANCES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 14] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 16] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -71,6 +83,8 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 14] = {
         (LIGHTMAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (PROBES, T::STORAGE_BUFFER, S::FRAGMENT),
         (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
+        (CASTERS, T::STORAGE_BUFFER, S::VERTEX),
+        (CASTER_INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
 
@@ -89,12 +103,15 @@ impl Family {
         let lighting = of_lighting.into_iter().filter_map(|(is_read, binding)| is_read.then_some(binding));
         let of_lights: Vec<u32> = match pipeline {
             Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
+            Pipeline::ShadowVolume => vec![CASTERS, CASTER_INSTANCES],
             Pipeline::LightVolume(_) => lighting.chain([VOLUMES]).collect(),
             Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap => Vec::new(),
             Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() || plan.has_light_target() => {
                 Vec::new()
             }
-            Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting => lighting.collect(),
+            Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting | Pipeline::ShadowedLight => {
+                lighting.collect()
+            }
         };
         let has_table = plan.options.brdf != Brdf::Fitted;
         let around: &[u32] = match pipeline {
@@ -116,28 +133,34 @@ impl Family {
         let frame = [FRAME].iter().chain(of_surfaces).chain(&of_lights).chain(around).chain(lightmap);
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
-            Pipeline::LightMask(_) | Pipeline::Sky => SecondSet::Nothing,
+            Pipeline::LightMask(_) | Pipeline::ShadowVolume | Pipeline::Sky => SecondSet::Nothing,
             Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
-            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap => SecondSet::Inputs {
-                count: plan.subpass(stage).2.inputs.len() as u32,
-                bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
-            },
+            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::ShadowedLight | Pipeline::Tonemap => {
+                SecondSet::Inputs {
+                    count: plan.subpass(stage).2.inputs.len() as u32,
+                    bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
+                }
+            }
         };
-        let one_light = matches!(pipeline, Pipeline::Light(_));
-        Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, one_light }
+        let push = match pipeline {
+            Pipeline::Light(_) => Push::Light,
+            Pipeline::ShadowVolume => Push::Volume,
+            _ => Push::Nothing,
+        };
+        Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, push }
     }
 
     /// What a pass after the frame's own reads: bits of its samplers' bindings, and whether the camera.
     pub(in crate::gpu) fn of_post(bindings: u32, camera: bool) -> Self {
         let frame = if camera { 1 << FRAME } else { 0 };
-        Self { frame, second: SecondSet::Samplers { bindings }, one_light: false }
+        Self { frame, second: SecondSet::Samplers { bindings }, push: Push::Nothing }
     }
 
-    /// Whether its pipelines are told a light by push constant.
+    /// Whether its pipelines have push constants.
     pub(in crate::gpu) fn has_push_constants(self) -> bool {
-        self.one_light
+        self.push != Push::Nothing
     }
 
     /// Whether the second set is a material's.
@@ -194,10 +217,14 @@ impl FamilyLayout {
         let sets: Vec<_> =
             sets.map(|b| set_layout(device, b, &format!("{family:?}"))).collect::<Result<_>>()?;
         let raw: Vec<_> = sets.iter().map(Owned::raw).collect();
-        let push = vk::PushConstantRange::default()
-            .stage_flags(vk::ShaderStageFlags::FRAGMENT)
-            .size(size_of::<LightPush>() as u32);
-        let pushes: &[_] = if family.one_light { &[push] } else { &[] };
+        let range =
+            |stages, bytes: usize| vk::PushConstantRange::default().stage_flags(stages).size(bytes as u32);
+        let push = match family.push {
+            Push::Nothing => None,
+            Push::Light => Some(range(vk::ShaderStageFlags::FRAGMENT, size_of::<LightPush>())),
+            Push::Volume => Some(range(vk::ShaderStageFlags::VERTEX, size_of::<VolumePush>())),
+        };
+        let pushes = push.as_slice();
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&raw).push_constant_ranges(pushes);
         // SAFETY: the set layouts are alive and belong to this device, and every device has 128 bytes to push.
         let layout = unsafe { device.create_pipeline_layout(&info, &format!("{family:?}")) }?;

@@ -20,8 +20,8 @@ use super::descriptor::Binding;
 use super::post::PostParts;
 use super::shader::{AttachmentPlaces, Shaders};
 use super::{Called, Device, Owned, PipelineCache};
-use crate::Result;
 use crate::plan::{Pipeline, Plan};
+use crate::{Error, Result};
 
 const ENTRY: &CStr = c"main";
 
@@ -53,6 +53,12 @@ impl Pipelines {
         passes: &[Owned<vk::RenderPass>],
         cache: &PipelineCache,
     ) -> Result<Self> {
+        if !plan.volume_lights.is_empty() && !device.features().depth_clamp {
+            return Err(Error::unsupported(
+                "the plan has shadow volumes, and the device was made without depthClamp",
+                "enable it and say so in `Features`, or leave `Options::shadow_volumes` out",
+            ));
+        }
         let families: Vec<_> =
             plan.pipelines.iter().map(|(stage, pipeline)| Family::of(plan, *stage, pipeline)).collect();
         let mut layouts = BTreeMap::new();

@@ -36,6 +36,11 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::Lighting => (Module::Fullscreen, Some(Module::Lighting), Specialization::default()),
         Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
         Pipeline::LightVolume(shape) => (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape)),
+        Pipeline::ShadowVolume => (Module::ShadowVolumeVertex, None, Specialization::default()),
+        Pipeline::ShadowedLight => {
+            let of_instance = Specialization::volume(const { shared("VOLUME_OF_INSTANCE") });
+            (Module::LightVolume, Some(Module::Lighting), of_instance)
+        }
         Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), Specialization::default()),
     };
     let lighting = lighting_constants(plan, pipeline).specialization();
@@ -51,7 +56,10 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
 fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
     SampleConstants {
         samples: plan.options.samples,
-        per_sample: matches!(pipeline, Pipeline::Lighting | Pipeline::LightVolume(_)),
+        per_sample: matches!(
+            pipeline,
+            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::ShadowedLight
+        ),
         sample_depth: plan.has_gbuffer() && plan.gbuffer.reads_depth_attachment(),
         resolve: plan.options.resolve,
     }
@@ -79,10 +87,12 @@ pub(super) fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingCo
         has_back: plan.needs.back_colors > 0,
         globe_maps: plan.needs.globe_maps > 0,
         shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
+        shadow_volumes: !plan.volume_lights.is_empty(),
         fold: plan.folded,
     };
     let one_by_one = plan.light_way.is_one_by_one();
     match pipeline {
+        Pipeline::ShadowedLight => all.one_counted(),
         Pipeline::Lighting if one_by_one => all.only_global(has_shadows(plan, ShadowShape::Cascades)),
         Pipeline::LightVolume(_) => all.one_local(
             [ShadowShape::Slab, ShadowShape::Cone, ShadowShape::Cube].iter().any(|&s| has_shadows(plan, s)),
@@ -98,7 +108,7 @@ fn has_shadows(plan: &Plan, shape: ShadowShape) -> bool {
 fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
     // Fog comes before light that is complete.
     let applies_fog = match pipeline {
-        Pipeline::Lighting | Pipeline::LightVolume(_) => plan.folded,
+        Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::ShadowedLight => plan.folded,
         Pipeline::Tonemap => plan.has_gbuffer(),
         _ => true,
     };

@@ -8,7 +8,7 @@ use super::super::scene_data::vertex_streams;
 use super::super::shader::shared;
 use super::super::{StreamKind, conv, texel_bytes};
 use crate::Result;
-use crate::plan::{Pipeline, Plan, Subpass, VolumeShape};
+use crate::plan::{COUNT_BITS, Pipeline, Plan, Subpass, VolumeShape};
 
 /// Vertex attributes in the order of their streams.
 #[derive(Default)]
@@ -79,13 +79,15 @@ impl FixedState {
         };
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .polygon_mode(vk::PolygonMode::FILL)
+            // Volumes that go on for ever end neither at the near plane nor at the far one.
+            .depth_clamp_enable(*pipeline == Pipeline::ShadowVolume)
             .cull_mode(cull)
             .front_face(front)
             .line_width(1.0);
         let depth = subpass.depth.map(|_| depth_stencil(subpass, pipeline));
         let all =
             vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
-        let one = if matches!(pipeline, Pipeline::LightMask(_)) {
+        let one = if matches!(pipeline, Pipeline::LightMask(_) | Pipeline::ShadowVolume) {
             vk::PipelineColorBlendAttachmentState::default()
         } else if subpass.blend {
             all.blend_enable(true)
@@ -132,6 +134,21 @@ fn depth_stencil(subpass: &Subpass, pipeline: &Pipeline) -> vk::PipelineDepthSte
                 .stencil_test_enable(true)
                 .front(count.depth_fail_op(vk::StencilOp::DECREMENT_AND_WRAP))
                 .back(count.depth_fail_op(vk::StencilOp::INCREMENT_AND_WRAP))
+        }
+        // Behind each surface more volumes end than begin if it is within some. What ends where the surface itself is, the near
+        // end of its own volume, is behind it: it does not shadow itself.
+        Pipeline::ShadowVolume => {
+            let count = every.compare_op(vk::CompareOp::ALWAYS).write_mask(COUNT_BITS);
+            test.depth_compare_op(vk::CompareOp::GREATER)
+                .stencil_test_enable(true)
+                .front(count.depth_fail_op(vk::StencilOp::DECREMENT_AND_WRAP))
+                .back(count.depth_fail_op(vk::StencilOp::INCREMENT_AND_WRAP))
+        }
+        // Covers all pixels, so that no count is left to the next light.
+        Pipeline::ShadowedLight => {
+            let none = every.compare_mask(COUNT_BITS).write_mask(COUNT_BITS);
+            let none = none.compare_op(vk::CompareOp::EQUAL).fail_op(vk::StencilOp::ZERO);
+            test.depth_compare_op(vk::CompareOp::LESS).stencil_test_enable(true).front(none).back(none)
         }
         // Shades what was marked and clears the mark, so that the next light finds none.
         Pipeline::LightVolume(shape) if subpass.stencil && *shape != VolumeShape::Screen => {

@@ -92,7 +92,8 @@ impl Frame<'_> {
             match pipeline {
                 Pipeline::LightVolume(shape) => self.draw_volumes(stage, index, *shape),
                 // Drawn in turns with the pipeline that follows it.
-                Pipeline::LightMask(_) => {}
+                Pipeline::LightMask(_) | Pipeline::ShadowVolume => {}
+                Pipeline::ShadowedLight => self.draw_shadowed_lights(stage, index),
                 _ => self.counted(stage, index, None, |frame| {
                     frame.bind_with_inputs(stage, index);
                     frame.draw_generated(3, 0..1);
@@ -132,7 +133,7 @@ impl Frame<'_> {
     }
 
     /// Draws without vertex buffers.
-    fn draw_generated(&mut self, vertices: u32, instances: Range<u32>) {
+    pub(super) fn draw_generated(&mut self, vertices: u32, instances: Range<u32>) {
         let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
         // SAFETY: the bound pipeline makes its vertices from their indices.
         unsafe { device.cmd_draw(raw, vertices, instances.len() as u32, 0, instances.start) };
@@ -141,7 +142,7 @@ impl Frame<'_> {
     }
 
     /// Binds a pipeline, the frame's buffers and the stage's input attachments.
-    fn bind_with_inputs(&mut self, stage: usize, index: usize) {
+    pub(super) fn bind_with_inputs(&mut self, stage: usize, index: usize) {
         let layout = self.bind_pipeline(index);
         if let Some(inputs) = self.target.inputs(self.output, stage) {
             self.bind_set(layout, 1, inputs);
@@ -178,7 +179,7 @@ impl Frame<'_> {
     }
 
     /// Draws, and counts the fragments if that is asked for.
-    fn counted(
+    pub(super) fn counted(
         &mut self,
         stage: usize,
         pipeline: usize,
@@ -223,7 +224,7 @@ impl Frame<'_> {
     }
 
     /// Binds the n-th of `Plan::pipelines` and what its frame has once.
-    fn bind_pipeline(&mut self, index: usize) -> vk::PipelineLayout {
+    pub(super) fn bind_pipeline(&mut self, index: usize) -> vk::PipelineLayout {
         let Renderer { pipelines, scene, .. } = self.renderer;
         let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
         let pipeline = pipelines.pipelines[index].raw();

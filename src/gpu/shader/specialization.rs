@@ -187,6 +187,8 @@ pub struct LightingConstants {
     pub globe_maps: bool,
     /// How shadow maps are sampled, where lights have them.
     pub shadow_filter: Option<ShadowFilter>,
+    /// Lights with shadow volumes are left out.
+    pub shadow_volumes: bool,
     /// Lighting writes the output itself, as [`OutputConstants`] say; else it adds to the light target.
     pub fold: bool,
 }
@@ -202,6 +204,17 @@ impl LightingConstants {
     pub fn one_local(self, shadows: bool) -> Self {
         let shadow_filter = self.shadow_filter.filter(|_| shadows);
         Self { scan: LightLoop::One, has_directional: false, has_hemisphere: false, shadow_filter, ..self }
+    }
+
+    /// For one light of any kind, whose shadow was counted.
+    pub fn one_counted(self) -> Self {
+        Self {
+            scan: LightLoop::One,
+            has_hemisphere: false,
+            shadow_filter: None,
+            shadow_volumes: false,
+            ..self
+        }
     }
 
     /// Whether there are lights that are listed in a buffer: all but hemispheres.
@@ -223,6 +236,7 @@ impl LightingConstants {
             (const { shared("ID_GLOBE_MAPS") }, self.globe_maps.into()),
             (const { shared("ID_SHADOWS") }, self.shadow_filter.is_some().into()),
             (const { shared("ID_SHADOW_FILTER") }, self.shadow_filter.map_or(0, shadow_filter)),
+            (const { shared("ID_SHADOW_VOLUMES") }, self.shadow_volumes.into()),
             (const { shared("ID_FOLD") }, self.fold.into()),
         ])
     }

@@ -2,13 +2,12 @@
 
 use super::depth::Depth;
 use super::{Asked, Frame, Stage, Use, added_light};
-use crate::plan::LightWay;
 use crate::plan::layout::{LightPlace, Target, Tells};
 
 /// Geometry, lighting and, where light is summed before it, the tone curve. `lit` is the first lit material.
 pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
     let Asked { needs, options, gbuffer, way, .. } = *asked;
-    let one_by_one = way.is_one_by_one();
+    let one_by_one = asked.one_by_one();
     let in_gbuffer = matches!(gbuffer.light, LightPlace::Read(_));
     let light_read = in_gbuffer && (one_by_one || !needs.prelit.is_empty());
     let folded = match gbuffer.light {
@@ -103,7 +102,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
             if needs.kinds.len() == 1 { "1 kind".into() } else { format!("{} kinds", needs.kinds.len()) }
         ),
     };
-    let test = if way == LightWay::Stencil { Use::Stencil } else { Use::DepthTest };
+    let test = if asked.has_stencil() { Use::Stencil } else { Use::DepthTest };
     let test = depth.resource.filter(|_| one_by_one).map(|depth| (depth, test));
     let depth_read = depth.resource.filter(|_| depth.is_read);
     let how = |r: &usize| (*r, if modified.contains(r) { Use::Modify } else { Use::Read });
@@ -118,7 +117,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
         why: format!(
             "{}{}{}",
             asked.lights(),
-            match (one_by_one, in_gbuffer) {
+            match (way.is_one_by_one(), in_gbuffer) {
                 (true, true) => ", each where its volume is, added in the shader in the order of drawing",
                 (true, false) => ", each where its volume is",
                 (false, _) => "",

@@ -2,7 +2,7 @@
 
 use super::{Asked, Frame, Use};
 use crate::plan::layout::{Target, Tells};
-use crate::plan::{DepthStore, Format, LightWay, Path};
+use crate::plan::{DepthStore, Format, Path};
 
 /// The depth attachment, where a frame has one.
 pub(super) struct Depth {
@@ -16,14 +16,14 @@ pub(super) struct Depth {
 
 /// Adds them where something needs them.
 pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
-    let Asked { needs, options, gbuffer, path, way, depth_stencil } = *asked;
-    let one_by_one = way.is_one_by_one();
+    let Asked { needs, options, gbuffer, path, way, depth_stencil, by_volume } = *asked;
+    let one_by_one = asked.one_by_one();
     let before_sky = needs.sky && needs.triangles > 0;
     let is_read = path == Path::Deferred && needs.lit.is_some() && gbuffer.reads_depth_attachment();
     if !(needs.triangles > 1 || one_by_one || before_sky || is_read || options.edge_filter) {
         return Depth { resource: None, drawn: None, is_read };
     }
-    let stencil = way == LightWay::Stencil;
+    let stencil = asked.has_stencil();
     let target = Target {
         name: match (is_read, stencil) {
             (true, _) => "depth",
@@ -37,6 +37,9 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
             _ => Format::D32Float,
         },
         holds: match stencil {
+            true if by_volume => {
+                "reversed device depth, 0 is far; stencil: spaces in shadow around a surface"
+            }
             true => "reversed device depth, 0 is far; stencil: surfaces in a light's volume",
             false => "reversed device depth, 0 is far",
         },
@@ -47,7 +50,8 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
     let mut why = Vec::new();
     why.extend((needs.triangles > 1).then(|| format!("{} triangles hide each other", needs.triangles)));
     why.extend(is_read.then(|| "lighting reads it".into()));
-    why.extend(one_by_one.then(|| "a light's volume is tested against it".into()));
+    why.extend(way.is_one_by_one().then(|| "a light's volume is tested against it".into()));
+    why.extend(by_volume.then(|| "shadow volumes are tested against it".into()));
     why.extend(before_sky.then(|| "the sky is behind them".into()));
     let depth = frame.add_target(&target, options.keep_gbuffer && is_read, why.join("; "));
     let drawn = if options.depth_prepass {

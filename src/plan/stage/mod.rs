@@ -93,7 +93,7 @@ impl Frame {
     pub const OUTPUT: usize = 0;
 
     /// The least number of stages and resources that give the picture on this path and in this way, none of which is
-    /// `Auto`. The format is for depth where the way needs a stencil.
+    /// `Auto`. The format is for depth where the way or shadow volumes (`by_volume`) need a stencil.
     pub fn new(
         needs: &Needs,
         options: &Options,
@@ -101,6 +101,7 @@ impl Frame {
         path: Path,
         way: LightWay,
         depth_stencil: Format,
+        by_volume: bool,
     ) -> Self {
         let mut frame = Self {
             resources: vec![Resource {
@@ -116,7 +117,7 @@ impl Frame {
             stages: Vec::new(),
             folded: false,
         };
-        let asked = Asked { needs, options, gbuffer, path, way, depth_stencil };
+        let asked = Asked { needs, options, gbuffer, path, way, depth_stencil, by_volume };
         let depth = depth::add(&mut frame, &asked);
         match (&needs.lit, path) {
             (Some(lit), Path::Deferred) => deferred::add(&mut frame, &asked, &depth, lit),
@@ -175,11 +176,23 @@ struct Asked<'a> {
     path: Path,
     way: LightWay,
     depth_stencil: Format,
+    /// Some lights' shadows are counted in the stencil.
+    by_volume: bool,
 }
 
 impl Asked<'_> {
     /// What a light target holds where background and surfaces are told apart.
     const LIGHT_AND_BACKGROUND: &'static str = "rgb: exposed light / range, a: 0 background, 1 surface";
+
+    /// Whether lights are added one after the other.
+    fn one_by_one(&self) -> bool {
+        self.way.is_one_by_one() || self.by_volume
+    }
+
+    /// Whether lighting counts in the stencil.
+    fn has_stencil(&self) -> bool {
+        self.way == LightWay::Stencil || self.by_volume
+    }
 
     /// The scene's lights in words.
     fn lights(&self) -> String {
