@@ -70,6 +70,10 @@ pub enum Module {
     ShadowVertex,
     /// Copies a tile of one shadow map to another.
     ShadowCompose,
+    /// Lays fog over surfaces of the G-buffer.
+    Fog,
+    /// [`Self::Fog`] of several samples a pixel.
+    FogSamples,
     /// Spreads light.
     Bloom,
     /// Smooths edges.
@@ -78,7 +82,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -97,6 +101,8 @@ impl Module {
         Self::EdgeFilter,
         Self::LightingSamples,
         Self::TonemapSamples,
+        Self::Fog,
+        Self::FogSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -116,6 +122,7 @@ impl Module {
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
+            Self::Fog | Self::FogSamples => "fog.frag",
             Self::Bloom => "bloom.frag",
             Self::EdgeFilter => "edge_filter.frag",
         }
@@ -126,6 +133,7 @@ impl Module {
         match self {
             Self::LightingSamples => "lighting_samples.frag",
             Self::TonemapSamples => "tonemap_samples.frag",
+            Self::FogSamples => "fog_samples.frag",
             _ => self.source(),
         }
     }
@@ -140,6 +148,7 @@ impl Module {
         match self {
             Self::Lighting => Self::LightingSamples,
             Self::Tonemap => Self::TonemapSamples,
+            Self::Fog => Self::FogSamples,
             other => other,
         }
     }

@@ -44,9 +44,10 @@ impl Elements<'_> {
         }
         if set != SET_FRAME {
             return match found {
-                Some((stage, Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap)) => {
-                    self.input(*stage, binding)
-                }
+                Some((
+                    stage,
+                    Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap | Pipeline::Fog,
+                )) => self.input(*stage, binding),
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),
                 _ => {
                     let slots = found.map_or_else(Vec::new, |(_, pipeline)| slots(pipeline));
