@@ -146,6 +146,8 @@
 #define ID_BLOOM_DISPLAYED 83
 #define ID_DEPTH_STEP 84
 #define ID_SHADOW_VOLUMES 85
+#define ID_BLEND 90
+#define ID_TRANSLUCENCY 91
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0

@@ -3,6 +3,8 @@ embed![
     "base.frag",
     "bloom.frag",
     "edge_filter.frag",
+    "fog.frag",
+    "fog_samples.frag",
     "forward.frag",
     "fullscreen.vert",
     "geometry.frag",

@@ -70,6 +70,10 @@ pub enum Module {
     ShadowVertex,
     /// Copies a tile of one shadow map to another.
     ShadowCompose,
+    /// Lays fog over surfaces of the G-buffer.
+    Fog,
+    /// [`Self::Fog`] of several samples a pixel.
+    FogSamples,
     /// Spreads light.
     Bloom,
     /// Smooths edges.
@@ -80,7 +84,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 21] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -100,6 +104,8 @@ impl Module {
         Self::ShadowVolumeVertex,
         Self::LightingSamples,
         Self::TonemapSamples,
+        Self::Fog,
+        Self::FogSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -119,6 +125,7 @@ impl Module {
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
+            Self::Fog | Self::FogSamples => "fog.frag",
             Self::Bloom => "bloom.frag",
             Self::EdgeFilter => "edge_filter.frag",
             Self::ShadowVolumeVertex => "shadow_volume.vert",
@@ -130,6 +137,7 @@ impl Module {
         match self {
             Self::LightingSamples => "lighting_samples.frag",
             Self::TonemapSamples => "tonemap_samples.frag",
+            Self::FogSamples => "fog_samples.frag",
             _ => self.source(),
         }
     }
@@ -144,6 +152,7 @@ impl Module {
         match self {
             Self::Lighting => Self::LightingSamples,
             Self::Tonemap => Self::TonemapSamples,
+            Self::Fog => Self::FogSamples,
             other => other,
         }
     }

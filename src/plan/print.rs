@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use super::{Load, Pass, Path, Plan, Store, verdicts};
+use super::{Load, Pass, Path, Plan, Store, stage, verdicts};
 use crate::visible::ShadowShape;
 
 impl Display for Plan {
@@ -132,6 +132,7 @@ impl Plan {
                 writeln!(f, "      reads   {}", list(&s.inputs))?;
             }
             let blend = match (s.blend, s.ordered) {
+                (true, _) if s.name == stage::TRANSLUCENCY => " (blended)",
                 (true, _) => " (added)",
                 (_, true) => " (each fragment over what it has read, in order)",
                 _ => "",

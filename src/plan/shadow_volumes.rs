@@ -38,18 +38,20 @@ pub(super) fn resolve(needs: &Needs, options: &Options, path: Path, limits: &Lim
         return refused(what, "leave --shadow-volumes out for shadow maps");
     }
     for need in &needs.shadows.lights {
-        match need.no_volume {
+        let blended =
+            needs.blended.as_ref().map(|_| "what is blended is lit as it is drawn, when no count is left");
+        match need.no_volume.or(blended) {
             None => found.lights.push(need.light),
             Some(why) => found.notes.push(format!("light '{}' keeps its shadow map: {why}", need.name)),
         }
     }
     if !found.lights.is_empty() {
+        let lights = match found.lights.len() {
+            1 => "1 light".into(),
+            n => format!("{n} lights"),
+        };
         found.notes.push(format!(
-            "shadow volumes: {} light{} added by {} after {} shadows were counted in the stencil, which never leaves the tile",
-            found.lights.len(),
-            if found.lights.len() == 1 { "" } else { "s, each" },
-            if found.lights.len() == 1 { "itself" } else { "itself" },
-            if found.lights.len() == 1 { "its" } else { "its" },
+            "shadow volumes: {lights}, each added by itself after its shadows were counted in the stencil, which never leaves the tile"
         ));
     }
     Ok(found)

@@ -16,6 +16,9 @@ use parts::*;
 #[path = "shadow_scenes.rs"]
 pub mod shadow_scenes;
 
+#[path = "glass_scenes.rs"]
+pub mod glass_scenes;
+
 /// The scenes that the repository ships, loaded as the program does, in order of name.
 ///
 /// # Panics
@@ -94,6 +97,7 @@ pub fn built() -> Vec<Scene> {
         sky_alone(),
     ];
     all.extend(environments::all());
+    all.extend(glass_scenes::all());
     all
 }
 

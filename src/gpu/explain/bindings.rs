@@ -49,7 +49,8 @@ impl Elements<'_> {
                     Pipeline::Lighting
                     | Pipeline::LightVolume(_)
                     | Pipeline::ShadowedLight
-                    | Pipeline::Tonemap,
+                    | Pipeline::Tonemap
+                    | Pipeline::Fog,
                 )) => self.input(*stage, binding),
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),
                 _ => {

@@ -105,10 +105,8 @@ impl Family {
             Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
             Pipeline::ShadowVolume => vec![CASTERS, CASTER_INSTANCES],
             Pipeline::LightVolume(_) => lighting.chain([VOLUMES]).collect(),
-            Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap => Vec::new(),
-            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() || plan.has_light_target() => {
-                Vec::new()
-            }
+            Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog => Vec::new(),
+            Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
             Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting | Pipeline::ShadowedLight => {
                 lighting.collect()
             }
@@ -137,12 +135,14 @@ impl Family {
             Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
-            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::ShadowedLight | Pipeline::Tonemap => {
-                SecondSet::Inputs {
-                    count: plan.subpass(stage).2.inputs.len() as u32,
-                    bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
-                }
-            }
+            Pipeline::Lighting
+            | Pipeline::LightVolume(_)
+            | Pipeline::ShadowedLight
+            | Pipeline::Tonemap
+            | Pipeline::Fog => SecondSet::Inputs {
+                count: plan.subpass(stage).2.inputs.len() as u32,
+                bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
+            },
         };
         let push = match pipeline {
             Pipeline::Light(_) => Push::Light,
