@@ -109,6 +109,7 @@ fn what_is_created_is_what_is_explained() {
                 Options { path: Path::ForwardMultipass, ..small() },
                 Options { lights: LightWay::Stencil, ..small() },
                 Options { bloom: BloomWay::Previous, ..small() },
+                Options { shadow_volumes: true, ..small() },
                 Options { bloom: BloomWay::Store, strategy: Strategy::Separate, ..small() },
                 Options { brdf: Brdf::Fitted, ..small() },
                 Options { brdf: Brdf::Fitted, path: Path::Forward, ..small() },
