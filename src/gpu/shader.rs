@@ -6,6 +6,7 @@
 mod declared;
 mod numbers;
 mod places;
+mod post_constants;
 mod prune;
 mod specialization;
 

@@ -33,20 +33,6 @@ impl Specialization {
         Self::from_pairs(&[(const { shared("ID_VOLUME_SHAPE") }, shape)])
     }
 
-    /// The constants of [`super::Module::Bloom`]: one of the numbers `BLOOM_STEP_*`, and the curve to undo, if any.
-    pub fn bloom(step: u32, displayed: Option<Tonemap>) -> Self {
-        Self::from_pairs(&[
-            (const { shared("ID_BLOOM_STEP") }, step),
-            (const { shared("ID_BLOOM_DISPLAYED") }, displayed.is_some().into()),
-            (const { shared("ID_TONEMAP") }, displayed.map_or(0, curve)),
-        ])
-    }
-
-    /// The constant of [`super::Module::EdgeFilter`] beside those of the G-buffer: what lies between two values of depth.
-    pub fn edge_filter(depth_step: f32) -> Self {
-        Self::from_pairs(&[(const { shared("ID_DEPTH_STEP") }, depth_step.to_bits())])
-    }
-
     /// The constant of all modules that evaluate reflection.
     pub fn brdf(brdf: Brdf) -> Self {
         let value = match brdf {
@@ -57,7 +43,7 @@ impl Specialization {
         Self::from_pairs(&[(const { shared("ID_BRDF") }, value)])
     }
 
-    fn from_pairs(pairs: &[(u32, u32)]) -> Self {
+    pub(super) fn from_pairs(pairs: &[(u32, u32)]) -> Self {
         Self {
             ids: pairs.iter().map(|(id, _)| *id).collect(),
             data: pairs.iter().map(|(_, value)| *value).collect(),
@@ -245,7 +231,7 @@ impl LightingConstants {
     }
 }
 
-fn curve(tonemap: Tonemap) -> u32 {
+pub(super) fn curve(tonemap: Tonemap) -> u32 {
     match tonemap {
         Tonemap::Neutral => const { shared("TONEMAP_NEUTRAL") },
         Tonemap::Aces => const { shared("TONEMAP_ACES") },
