@@ -134,7 +134,7 @@ fn names_are_unique() {
     assert_eq!(all.iter().map(|m| m.name()).collect::<BTreeSet<_>>().len(), all.len());
 }
 
-fn blocks() -> [Block; 10] {
+fn blocks() -> [Block; 11] {
     [
         block!(
             "Frame" = FrameUniforms {
