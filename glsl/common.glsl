@@ -12,13 +12,13 @@
 #define INPUT_AT(number) set = SET_INPUTS, binding = number, input_attachment_index = number
 #endif
 
+layout(constant_id = ID_SAMPLE_COUNT) const int SAMPLE_COUNT = 1;
 #ifdef INPUTS_SAMPLED
 #define inputAttachment sampler2D
 #define uinputAttachment usampler2D
 ivec2 input_place = ivec2(0);
 #define input_load(input) texelFetch(input, input_place, 0)
 #elif defined(MULTISAMPLED)
-layout(constant_id = ID_SAMPLE_COUNT) const int SAMPLE_COUNT = 4;
 layout(constant_id = ID_PER_SAMPLE) const bool PER_SAMPLE = false;
 layout(constant_id = ID_SAMPLE_DEPTH) const bool SAMPLE_DEPTH = false; // depth differs by sample: that of the depth attachment
 #define inputAttachment subpassInputMS

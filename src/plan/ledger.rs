@@ -379,6 +379,10 @@ impl Plan {
             P::LightVolume(shape) => format!("light, {shape}"),
             P::ShadowVolume => "shadow volumes".into(),
             P::ShadowedLight => "light, where its shadow volumes are not".into(),
+            P::Edges => format!("edges, by {}", self.edges),
+            P::EdgeLighting | P::EdgeVolume(_) => {
+                format!("{}, by sample", self.pipeline_text(&pipeline.per_pixel()))
+            }
             P::Tonemap => format!("tonemap, {} curve{around}", self.options.tonemap),
         }
     }

@@ -15,6 +15,7 @@ mod check;
 mod choice;
 mod counts;
 mod derive;
+mod edges;
 mod format;
 mod layout;
 mod ledger;
@@ -59,8 +60,8 @@ pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};
 pub(crate) use names::named_enum;
 pub use names::{
-    BloomWay, Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
-    ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
+    BloomWay, Brdf, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
+    OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
@@ -157,6 +158,8 @@ pub struct Plan {
     pub folded: bool,
     /// How lights reach pixels: what [`Options::lights`] comes to for this scene, never [`LightWay::Auto`].
     pub light_way: LightWay,
+    /// Which pixels are lit sample by sample: what [`Options::edges`] comes to, never [`Edges::Auto`].
+    pub edges: Edges,
     /// With [`LightWay::Clusters`]: the lights of each part of the view, listed for every frame.
     pub clusters: Option<ClusterBudget>,
     /// The shadow map, where lights cast shadows; it is drawn before the first pass.
@@ -212,8 +215,12 @@ impl Plan {
             let one_by_one = light_way.is_one_by_one() || by_volume;
             check_light(&gbuffer, &needs, &options, one_by_one, limits)?;
         }
-        let frame =
-            stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil, by_volume);
+        let (edges, edges_why) = edges::resolve(&needs, &options, &gbuffer, path, light_way);
+        // What is counted is counted for each sample.
+        let edges = if by_volume { Edges::All } else { edges };
+        let edges_why = edges_why.filter(|_| !by_volume);
+        let ways = (light_way, edges, by_volume);
+        let frame = stage::Frame::new(&needs, &options, &gbuffer, path, ways, limits.depth_stencil);
         samples::check(&options, path, frame.folded)?;
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options, strategy);
@@ -224,12 +231,13 @@ impl Plan {
         let (shadow_map, shadows_told) =
             ShadowMap::new(&needs.shadows.without(&volumes.lights), &options, limits);
         let around = around::images(&needs, &options);
-        let pipelines = pipeline::of(&frame, &needs, light_way, by_volume);
+        let pipelines = pipeline::of(&frame, &needs, ways);
         let folded = frame.folded;
         let mut notes = options.gbuffer_why.clone();
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
         notes.extend(strategy_why);
         notes.extend(samples::notes(&options, &attachments));
+        notes.extend(edges_why);
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(clusters.map(|c| c.to_string()));
@@ -250,6 +258,7 @@ impl Plan {
             path,
             folded,
             light_way,
+            edges,
             clusters,
             shadow_map,
             volume_lights: volumes.lights,
@@ -321,6 +330,14 @@ impl Plan {
         let (pass, _, subpass) = self.subpass(stage);
         let drawn = subpass.colors.iter().chain(&subpass.depth).next();
         drawn.map_or(1, |&a| self.attachments[self.passes[pass].attachments[a].attachment].samples)
+    }
+
+    /// Whether a shader compares samples to find edges: where the outlines of triangles do not tell of all.
+    pub fn compares_samples(&self) -> bool {
+        match self.edges {
+            Edges::Coverage => self.needs.kinds.iter().any(|need| need.kind.alpha_mask),
+            edges => edges == Edges::Compare,
+        }
     }
 
     /// Pass, position in it and subpass of a stage.

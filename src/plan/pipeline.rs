@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::stage::{Frame, TRANSLUCENCY, Use};
-use super::{LightWay, Needs, SurfaceKind, VolumeShape, lights};
+use super::{Edges, LightWay, Needs, SurfaceKind, VolumeShape, lights};
 
 /// A graphics pipeline that a frame needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -32,6 +32,12 @@ pub enum Pipeline {
     ShadowedLight,
     /// Applies the tone curve.
     Tonemap,
+    /// Marks in the stencil the pixels that are lit sample by sample.
+    Edges,
+    /// [`Self::Lighting`] of the samples of marked pixels; that is then for the others.
+    EdgeLighting,
+    /// [`Self::LightVolume`] likewise.
+    EdgeVolume(VolumeShape),
     /// Lays fog over what the G-buffer holds, before blended surfaces are drawn.
     Fog,
 }
@@ -40,6 +46,15 @@ impl Pipeline {
     /// Whether it draws surfaces, not all pixels.
     pub fn is_of_surfaces(&self) -> bool {
         matches!(self, Self::Surface(_) | Self::Depth(_) | Self::Light(_))
+    }
+
+    /// The pipeline that does for pixels what this does for samples; itself, if there is none.
+    pub fn per_pixel(&self) -> Self {
+        match *self {
+            Self::EdgeLighting => Self::Lighting,
+            Self::EdgeVolume(shape) => Self::LightVolume(shape),
+            other => other,
+        }
     }
 
     /// Whether it draws surfaces of this kind.
@@ -53,7 +68,11 @@ impl Pipeline {
 }
 
 /// Those that draw a frame, with the stage they belong to, in order of drawing.
-pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay, by_volume: bool) -> Vec<(usize, Pipeline)> {
+pub(super) fn of(
+    frame: &Frame,
+    needs: &Needs,
+    (way, edges, by_volume): (LightWay, Edges, bool),
+) -> Vec<(usize, Pipeline)> {
     let stage = |name| frame.stages.iter().position(|s| s.name == name);
     let opaque = || needs.kinds.iter().filter(|n| !n.kind.blend);
     let depths: BTreeSet<_> = opaque().map(|n| n.kind.depth()).collect();
@@ -66,7 +85,7 @@ pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay, by_volume: bool) -
         lit.map(move |n| (s, Pipeline::Light(n.kind)))
     });
     let lighting =
-        stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
+        stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way, edges).map(move |p| (s, p)));
     let volumes = stage("lighting").filter(|_| by_volume);
     let volumes =
         volumes.into_iter().flat_map(|s| [(s, Pipeline::ShadowVolume), (s, Pipeline::ShadowedLight)]);

@@ -90,4 +90,6 @@ sweeps! {
     shadow_where_there_is_none "shadow-acne",
     shadows_that_do_not_touch "shadow-gap",
     shadows_that_swim "shadow-shimmer",
+    two_surfaces_in_a_pixel "edges",
+    the_curve_and_the_mean "resolve",
 }

@@ -6,7 +6,7 @@ use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
 use ontile::plan::{
-    Access, Adreno, Bins, BloomWay, DepthStore, Layout, LightWay, Limits, Merging, Needs, Options,
+    Access, Adreno, Bins, BloomWay, DepthStore, Edges, Layout, LightWay, Limits, Merging, Needs, Options,
     Path as LightPath, Plan, Store, Strategy,
 };
 use ontile::scene::{Scene, Shadow};
@@ -25,6 +25,8 @@ pub struct Case {
     pub depth_prepass: bool,
     pub strategy: Strategy,
     pub recycle: bool,
+    pub samples: u32,
+    pub edges: Edges,
     pub bloom: BloomWay,
     pub shadow_volumes: bool,
     pub fault: Option<Fault>,
@@ -78,6 +80,8 @@ impl Case {
             depth_prepass: false,
             strategy: Strategy::Subpasses,
             recycle: true,
+            samples: 1,
+            edges: Edges::Auto,
             bloom: BloomWay::Off,
             shadow_volumes: false,
             fault: None,
@@ -107,6 +111,8 @@ impl Case {
             lights: self.lights,
             depth_prepass: self.depth_prepass,
             recycle: self.recycle,
+            samples: self.samples,
+            edges: self.edges,
             bloom: self.bloom,
             shadow_volumes: self.shadow_volumes,
             ..Options::default()
@@ -117,6 +123,8 @@ impl Case {
             max_input_attachments: 8,
             ordered_attachment_access: true,
             depth_clamp: true,
+            sample_counts: 7,
+            word_sample_counts: 7,
             merging: Merging { local_read: Ok(()), ..Merging::default() },
             ..Limits::default()
         };

@@ -50,7 +50,10 @@ impl Elements<'_> {
                     | Pipeline::LightVolume(_)
                     | Pipeline::ShadowedLight
                     | Pipeline::Tonemap
-                    | Pipeline::Fog,
+                    | Pipeline::Fog
+                    | Pipeline::Edges
+                    | Pipeline::EdgeLighting
+                    | Pipeline::EdgeVolume(_),
                 )) => self.input(*stage, binding),
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),
                 _ => {

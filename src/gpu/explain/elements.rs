@@ -54,7 +54,7 @@ impl<'a> Elements<'a> {
                 .next()
                 .unwrap_or_default();
         };
-        match pipeline {
+        match &pipeline.per_pixel() {
             Pipeline::Surface(kind) => self.need(|need| need.kind == *kind),
             Pipeline::Depth(kind) => self.need(|need| need.kind.depth() == *kind),
             Pipeline::Light(kind) => self.need(|need| need.kind == *kind),
@@ -72,6 +72,10 @@ impl<'a> Elements<'a> {
             }
             Pipeline::ShadowVolume => format!("{} shadow volumes", self.volume_lights()),
             Pipeline::ShadowedLight => format!("{} a shadow volume", self.volume_lights()),
+            Pipeline::Edges => {
+                format!("{} samples a pixel: those of edges are lit one by one", plan.options.samples)
+            }
+            Pipeline::EdgeLighting | Pipeline::EdgeVolume(_) => String::new(),
             Pipeline::Fog => {
                 let blended = plan.needs.blended.as_deref().unwrap_or_default();
                 format!("the scene has fog, and {blended} is blended over what is in it")

@@ -5,7 +5,7 @@ use super::super::shader::{
     OutputConstants, SampleConstants, SkyConstants, Specialization, TextureSlot, shared,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{Form, Pipeline, Plan, SurfaceKind, VolumeShape};
+use crate::plan::{Edges, Form, Pipeline, Plan, SurfaceKind, VolumeShape};
 use crate::visible::ShadowShape;
 
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
@@ -32,9 +32,14 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             let constants = SkyConstants { rgbm: is_rgbm(plan), probes: !plan.needs.probes.is_empty() };
             (Module::Fullscreen, Some(Module::Sky), constants.specialization())
         }
-        Pipeline::Lighting => (Module::Fullscreen, Some(Module::Lighting), Specialization::default()),
+        Pipeline::Lighting | Pipeline::EdgeLighting => {
+            (Module::Fullscreen, Some(Module::Lighting), Specialization::default())
+        }
+        Pipeline::Edges => (Module::Fullscreen, Some(Module::Edges), Specialization::default()),
         Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
-        Pipeline::LightVolume(shape) => (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape)),
+        Pipeline::LightVolume(shape) | Pipeline::EdgeVolume(shape) => {
+            (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape))
+        }
         Pipeline::ShadowVolume => (Module::ShadowVolumeVertex, None, Specialization::default()),
         Pipeline::ShadowedLight => {
             let of_instance = Specialization::volume(const { shared("VOLUME_OF_INSTANCE") });
@@ -56,10 +61,11 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
 fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
     SampleConstants {
         samples: plan.options.samples,
-        per_sample: matches!(
-            pipeline,
-            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::ShadowedLight | Pipeline::Fog
-        ),
+        per_sample: plan.edges == Edges::All
+            || pipeline.per_pixel() != *pipeline
+            || *pipeline == Pipeline::Fog,
+        edge_target: plan.edges == Edges::Coverage,
+        edge_masks: plan.needs.kinds.iter().any(|need| need.kind.alpha_mask),
         sample_depth: plan.has_gbuffer() && plan.gbuffer.reads_depth_attachment(),
         resolve: plan.options.resolve,
     }
@@ -94,7 +100,7 @@ pub(super) fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingCo
         fold: plan.folded,
     };
     let one_by_one = plan.light_way.is_one_by_one();
-    match pipeline {
+    match pipeline.per_pixel() {
         Pipeline::ShadowedLight => all.one_counted(),
         Pipeline::Lighting if one_by_one => all.only_global(has_shadows(plan, ShadowShape::Cascades)),
         Pipeline::LightVolume(_) => all.one_local(
@@ -110,7 +116,7 @@ fn has_shadows(plan: &Plan, shape: ShadowShape) -> bool {
 
 fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
     // Fog comes before light that is complete.
-    let applies_fog = match pipeline {
+    let applies_fog = match pipeline.per_pixel() {
         Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::ShadowedLight => plan.folded,
         Pipeline::Tonemap => plan.has_gbuffer() && plan.needs.blended.is_none(),
         _ => true,

@@ -18,6 +18,7 @@ mod lights;
 mod normals;
 mod parts;
 mod report;
+mod samples;
 mod shading;
 mod shadows;
 mod sums;
@@ -76,6 +77,8 @@ impl Sweep {
         shadows::ACNE,
         shadows::PANNING,
         shadows::SHIMMER,
+        samples::EDGES,
+        samples::RESOLVE,
     ];
 
     /// The sweep of this name.

@@ -11,7 +11,7 @@ pub(super) use samples::add as multisample;
 pub use translucency::NAME as TRANSLUCENCY;
 
 use super::layout::{GBuffer, LightTarget, Target};
-use super::{Format, LightWay, Needs, Options, Path, ResolveWay};
+use super::{Edges, Format, LightWay, Needs, Options, Path, ResolveWay};
 
 /// Something that stages write and read, one value a sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,9 +101,8 @@ impl Frame {
         options: &Options,
         gbuffer: &GBuffer,
         path: Path,
-        way: LightWay,
+        (way, edges, by_volume): (LightWay, Edges, bool),
         depth_stencil: Format,
-        by_volume: bool,
     ) -> Self {
         let mut frame = Self {
             resources: vec![Resource {
@@ -119,7 +118,7 @@ impl Frame {
             stages: Vec::new(),
             folded: false,
         };
-        let asked = Asked { needs, options, gbuffer, path, way, depth_stencil, by_volume };
+        let asked = Asked { needs, options, gbuffer, path, way, edges, depth_stencil, by_volume };
         let depth = depth::add(&mut frame, &asked);
         match (&needs.lit_opaque, path) {
             (Some(lit), Path::Deferred) => deferred::add(&mut frame, &asked, &depth, lit),
@@ -177,6 +176,7 @@ struct Asked<'a> {
     gbuffer: &'a GBuffer,
     path: Path,
     way: LightWay,
+    edges: Edges,
     depth_stencil: Format,
     /// Some lights' shadows are counted in the stencil.
     by_volume: bool,
