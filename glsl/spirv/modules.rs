@@ -3,6 +3,7 @@ embed![
     "base.frag",
     "bloom.frag",
     "edge_filter.frag",
+    "edges.frag",
     "fog.frag",
     "fog_samples.frag",
     "forward.frag",
