@@ -1,7 +1,7 @@
 //! Specialisation constants of passes after the frame's own.
 
 use super::shared;
-use super::specialization::{Specialization, curve};
+use super::specialization::Specialization;
 use crate::plan::Tonemap;
 
 impl Specialization {
@@ -17,5 +17,15 @@ impl Specialization {
     /// The constant of [`super::Module::EdgeFilter`] beside those of the G-buffer: what lies between two values of depth.
     pub fn edge_filter(depth_step: f32) -> Self {
         Self::from_pairs(&[(const { shared("ID_DEPTH_STEP") }, depth_step.to_bits())])
+    }
+}
+
+/// The number of a tone curve.
+pub(super) fn curve(tonemap: Tonemap) -> u32 {
+    match tonemap {
+        Tonemap::Neutral => const { shared("TONEMAP_NEUTRAL") },
+        Tonemap::Aces => const { shared("TONEMAP_ACES") },
+        Tonemap::Reinhard => const { shared("TONEMAP_REINHARD") },
+        Tonemap::Linear => const { shared("TONEMAP_LINEAR") },
     }
 }

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::post_constants::curve;
 use super::{KIND_COUNT, shared};
 use crate::plan::{
     Around, BloomWay, Brdf, DepthStore, Form, GBuffer, Gamma, Normals, ResolveWay, ShadowFilter, Tonemap,
@@ -228,15 +229,6 @@ impl LightingConstants {
             (const { shared("ID_SHADOW_VOLUMES") }, self.shadow_volumes.into()),
             (const { shared("ID_FOLD") }, self.fold.into()),
         ])
-    }
-}
-
-pub(super) fn curve(tonemap: Tonemap) -> u32 {
-    match tonemap {
-        Tonemap::Neutral => const { shared("TONEMAP_NEUTRAL") },
-        Tonemap::Aces => const { shared("TONEMAP_ACES") },
-        Tonemap::Reinhard => const { shared("TONEMAP_REINHARD") },
-        Tonemap::Linear => const { shared("TONEMAP_LINEAR") },
     }
 }
 
