@@ -5,6 +5,7 @@
 #define SET_FRAME 0
 #define SET_MATERIAL 1
 #define SET_INPUTS 1
+#define SET_DECAL_MATERIAL 2
 
 // Bindings of SET_FRAME and SET_MATERIAL.
 #define BINDING_FRAME 0
@@ -22,6 +23,7 @@
 #define BINDING_LIGHTMAP 13
 #define BINDING_PROBES 14
 #define BINDING_VOLUMES 4
+#define BINDING_DECALS 20
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 
@@ -55,6 +57,7 @@
 #define VARYING_COLOR 3
 #define VARYING_LIGHT 4
 #define VARYING_LIGHTMAP 5
+#define VARYING_DECAL 8
 
 // Colour outputs, likewise: locations become places in the subpass.
 #define TARGET_DEPTH 0
@@ -130,6 +133,12 @@
 #define ID_GBUFFER 64
 #define ID_BRDF 65
 #define ID_LIGHT_ADDED 66
+#define ID_DECAL_BASE_COLOR 80
+#define ID_DECAL_NORMAL 81
+#define ID_DECAL_ROUGHNESS 82
+#define ID_DECAL_METALLIC 83
+#define ID_DECAL_TARGETS 84
+#define ID_DECAL_BLENDED 85
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0

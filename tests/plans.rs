@@ -42,6 +42,7 @@ fn difference(expected: &str, actual: &str) -> Option<String> {
 fn printed() -> Vec<(String, String)> {
     let features = scenes::every_feature();
     let lights = scenes::lights_only();
+    let decals = scenes::decal_scenes::decals();
     let default = Options::default;
     let mut plans = vec![
         ("lit".to_owned(), plan(&lights, default())),
@@ -92,6 +93,13 @@ fn printed() -> Vec<(String, String)> {
         ("lightmapped_alone".into(), plan(&scenes::lightmapped_alone(), default())),
         ("before_sky".into(), plan(&scenes::before_sky(), default())),
         ("sky_unlit".into(), plan(&scenes::sky_unlit(), default())),
+        ("decals".into(), plan(&decals, default())),
+        ("decals_separate".into(), plan(&decals, separate())),
+        (
+            "decals_ordered_packed128".into(),
+            ordered(&decals, Options { layout: Layout::Packed128, ..default() }),
+        ),
+        ("decals_blended".into(), plan(&scenes::decal_scenes::color_decals(), default())),
     ];
     for scene in scenes::shipped() {
         for &strategy in Strategy::ALL {
@@ -254,7 +262,11 @@ fn auto_paths_follow_how_many_lights_reach_a_point() {
 /// Lights added one by one to words, on a device that has the feature.
 fn in_words(scene: &Scene, strategy: Strategy) -> Plan {
     let lights = LightWay::Volumes;
-    let options = Options { layout: Layout::Packed128, lights, strategy, ..Options::default() };
+    ordered(scene, Options { layout: Layout::Packed128, lights, strategy, ..Options::default() })
+}
+
+/// On a device whose fragments are in order.
+fn ordered(scene: &Scene, options: Options) -> Plan {
     let limits = Limits { ordered_attachment_access: true, ..Limits::default() };
     Plan::new(Needs::of(scene), options, &limits).unwrap()
 }

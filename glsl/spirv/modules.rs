@@ -1,6 +1,8 @@
 // Written by tools/shaders.
 embed![
     "base.frag",
+    "decal.frag",
+    "decal.vert",
     "forward.frag",
     "fullscreen.vert",
     "geometry.frag",

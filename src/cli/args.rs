@@ -11,7 +11,7 @@ use ontile::glam::Vec3;
 use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
-    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, Path,
+    Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, Path,
     ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
 };
 use ontile::scene::{Background, FogHeight, Scene};
@@ -166,6 +166,10 @@ pub struct PlanArgs {
     /// Keep lighting and tonemap apart, even where nothing needs the light target [default: merge them]
     #[arg(long)]
     pub no_fold: bool,
+    /// How decals that overlap are painted one after the other: by rasterization-order attachment access, with barriers in
+    /// between, or by fixed-function blending, where the layout allows
+    #[arg(long, value_name = "WAY", default_value_t = DecalWay::Auto, value_parser = named(DecalWay::ALL, DecalWay::name))]
+    pub decals: DecalWay,
 }
 
 impl PlanArgs {
@@ -198,6 +202,7 @@ impl PlanArgs {
             recycle: !self.no_recycle,
             fold: !self.no_fold,
             dither: self.dither,
+            decals: self.decals,
             environment_format: self.environment_format.unwrap_or(default.environment_format),
             lightmap_format: self.lightmap_format.unwrap_or(default.lightmap_format),
             ..default

@@ -14,8 +14,8 @@ pub use numbers::{shared, shared_names};
 pub use places::AttachmentPlaces;
 pub use prune::{Pruned, prune};
 pub use specialization::{
-    GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants, OutputConstants,
-    SkyConstants, Specialization, TextureSlot,
+    DecalConstants, GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants,
+    OutputConstants, SkyConstants, Specialization, TextureSlot,
 };
 
 use std::collections::BTreeSet;
@@ -66,11 +66,15 @@ pub enum Module {
     ShadowVertex,
     /// Copies a tile of one shadow map to another.
     ShadowCompose,
+    /// The box of a decal.
+    DecalVertex,
+    /// Paints a decal over the G-buffer.
+    Decal,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 16] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -85,6 +89,8 @@ impl Module {
         Self::Lighting,
         Self::Tonemap,
         Self::ShadowCompose,
+        Self::DecalVertex,
+        Self::Decal,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -104,6 +110,8 @@ impl Module {
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
+            Self::DecalVertex => "decal.vert",
+            Self::Decal => "decal.frag",
         }
     }
 
@@ -157,6 +165,11 @@ impl Shaders {
         let vertex = left(vertex, Some(&read.unwrap_or_default()))?;
         Ok(Self { vertex: vertex.spirv, fragment, attributes: vertex.inputs })
     }
+}
+
+/// The number that modules know a colour output by: `TARGET_*` of `glsl/shared.h`.
+pub(in crate::gpu) fn target_number(name: &str) -> Option<u32> {
+    numbers::find(&format!("TARGET_{}", name.to_uppercase()))
 }
 
 /// The names of the modules that this build embeds.

@@ -42,6 +42,11 @@ fn can_share(frame: &Frame, options: &Options, all: &mut [usize]) -> bool {
         && all.windows(2).all(|w| frame.lifetime(w[0]).1 < frame.lifetime(w[1]).0)
 }
 
+/// Uses as a colour output.
+const OUTPUTS: &[Use] = &[Use::Write, Use::Blend, Use::Modify, Use::Rewrite];
+/// Uses as an input attachment.
+const INPUTS: &[Use] = &[Use::Read, Use::Modify, Use::Rewrite];
+
 /// How one pass touches one attachment, in order of stages.
 struct Touch {
     subpass: usize,
@@ -192,14 +197,15 @@ fn subpass(
     Subpass {
         name: stage.name,
         why: stage.why.clone(),
-        color_names: names(&[Use::Write, Use::Blend, Use::Modify]),
-        colors: of(&[Use::Write, Use::Blend, Use::Modify]),
+        color_names: names(OUTPUTS),
+        colors: of(OUTPUTS),
         blend: stage.uses.iter().any(|(_, how)| *how == Use::Blend),
         ordered: stage.uses.iter().any(|(_, how)| *how == Use::Modify),
-        color_states: of(&[Use::Write, Use::Blend, Use::Modify]).iter().map(|&i| state(i)).collect(),
-        input_names: names(&[Use::Read, Use::Modify]),
-        input_states: of(&[Use::Read, Use::Modify]).iter().map(|&i| state(i)).collect(),
-        inputs: of(&[Use::Read, Use::Modify]),
+        barriers: stage.uses.iter().any(|(_, how)| *how == Use::Rewrite),
+        color_states: of(OUTPUTS).iter().map(|&i| state(i)).collect(),
+        input_names: names(INPUTS),
+        input_states: of(INPUTS).iter().map(|&i| state(i)).collect(),
+        inputs: of(INPUTS),
         depth_state: depth.map(state),
         depth,
         depth_write: stage.uses.iter().any(|(_, how)| *how == Use::Depth),
@@ -234,6 +240,14 @@ impl Dependencies {
     /// that discards, counts as a write by the last subpass that touches the attachment, so that write is ordered too.
     fn order_within(&mut self, frame: &Frame, touches: &[Touch], depth: bool) {
         for (index, b) in touches.iter().enumerate() {
+            if b.uses.contains(&Use::Rewrite) {
+                let why = format!(
+                    "{} is written by one draw, then read by another over it",
+                    frame.resources[b.resource].name
+                );
+                let [before, after] = Access::BETWEEN_DRAWS.map(|access| [access].into());
+                self.add(Some(b.subpass), Some(b.subpass), before, after, why);
+            }
             let is_last = index + 1 == touches.len();
             let written = touches[..index].iter().rposition(Touch::writes);
             let reads = &touches[written.map_or(0, |w| w + 1)..index];
@@ -321,9 +335,9 @@ pub fn attachments(
             is_output,
             transient: !is_output && in_passes().all(|a| a.load != Load::Load && a.store != Store::Store),
             usage: Usage {
-                color: has(&[Use::Write, Use::Blend, Use::Modify]),
+                color: has(OUTPUTS),
                 depth: has(&[Use::Depth, Use::DepthTest, Use::Stencil]),
-                input: has(&[Use::Read, Use::Modify]),
+                input: has(INPUTS),
                 copy_source: if is_output { options.output_use == super::OutputUse::Copy } else { kept },
                 blend: has(&[Use::Blend]),
             },

@@ -14,6 +14,7 @@ mod budget;
 mod check;
 mod choice;
 mod counts;
+mod decals;
 mod derive;
 mod format;
 mod layout;
@@ -44,6 +45,7 @@ pub use bins::{Adreno, Bins, Occupancy};
 pub use budget::{Verdict, verdicts};
 pub use choice::Choice;
 pub use counts::{FrameCounts, Seen, StateChanges};
+pub use decals::{Channels, DecalKind, DecalNeed};
 pub use format::Format;
 pub use layout::{Form, GBuffer, LightPlace, LightTarget, LightWord, Target, Tells};
 pub use ledger::{
@@ -53,7 +55,7 @@ pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};
 pub(crate) use names::named_enum;
 pub use names::{
-    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
+    Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
     ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 pub(crate) use needs::element;
@@ -134,6 +136,8 @@ pub struct Plan {
     pub shadow_map: Option<ShadowMap>,
     /// Decisions that a reader may wonder about.
     pub notes: Vec<String>,
+    /// How decals are ordered, never [`DecalWay::Auto`]; `None` without decals.
+    pub decal_way: Option<DecalWay>,
     /// What the options or the limits leave out of what the scene asks for; the program tells them.
     pub warnings: Vec<String>,
 }
@@ -155,7 +159,9 @@ impl Plan {
         if path == Path::Deferred && needs.lit.is_some() {
             check_light(&gbuffer, &needs, &options, light_way, limits)?;
         }
-        let frame = stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil);
+        let (decal_way, decals_why) = decals::resolve(&needs, &options, &gbuffer, limits)?.unzip();
+        let frame =
+            stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil, decal_way);
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
@@ -168,6 +174,7 @@ impl Plan {
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
         notes.extend(path_why);
         notes.extend(why);
+        notes.extend(decals_why.flatten());
         notes.extend(clusters.map(|c| c.to_string()));
         notes.extend(shadows_told.notes);
         let warnings =
@@ -183,6 +190,7 @@ impl Plan {
             gbuffer,
             path,
             folded,
+            decal_way,
             light_way,
             clusters,
             shadow_map,

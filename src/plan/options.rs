@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
+    Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
     ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 use crate::environment::TexelFormat;
@@ -95,6 +95,8 @@ pub struct Options {
     pub lightmap_format: TexelFormat,
     /// Why the G-buffer is what it is, where nobody named it ([`crate::measure::choose`]); the plan's notes begin with it.
     pub gbuffer_why: Vec<String>,
+    /// How decals that overlap are painted.
+    pub decals: DecalWay,
 }
 
 impl Default for Options {
@@ -124,6 +126,7 @@ impl Default for Options {
             environment_format: TexelFormat::E5B9G9R9,
             lightmap_format: TexelFormat::E5B9G9R9,
             gbuffer_why: Vec::new(),
+            decals: DecalWay::Auto,
         }
     }
 }

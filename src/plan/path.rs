@@ -20,6 +20,9 @@ const MOST_FOR_FORWARD_IN_MEMORY: f32 = 20.0;
 pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Result<(Path, Option<String>)> {
     let no_lights = needs.listed_lights() == 0;
     let (path, why) = match options.path {
+        Path::Auto if !needs.decals.is_empty() => {
+            (Path::Deferred, Some("path: deferred, since decals are painted over its G-buffer".into()))
+        }
         Path::Auto if options.keep_gbuffer => {
             (Path::Deferred, Some("path: deferred, since its G-buffer is to be kept".into()))
         }
@@ -37,7 +40,11 @@ pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Resu
             (Path::Forward, Some("path: forward, not forward-multipass: there are no lights to add".into()))
         }
         Path::Deferred
-            if needs.lit.is_some() && !options.keep_gbuffer && no_lights && needs.hemisphere_lights == 0 =>
+            if needs.lit.is_some()
+                && !options.keep_gbuffer
+                && needs.decals.is_empty()
+                && no_lights
+                && needs.hemisphere_lights == 0 =>
         {
             (
                 Path::Forward,
@@ -46,6 +53,12 @@ pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Resu
         }
         asked => (asked, None),
     };
+    if let Some(decal) = needs.decals.first().filter(|_| path != Path::Deferred) {
+        return Err(Error::unsupported(
+            format!("{} is painted over a G-buffer, which the path {path} has not", decal.why),
+            "use --path deferred or auto, or take the decals out of the scene",
+        ));
+    }
     if path != Path::Deferred && options.keep_gbuffer {
         return Err(Error::unsupported(
             format!("the path {path} has no G-buffer that could be kept"),

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::stage::Frame;
-use super::{LightWay, Needs, SurfaceKind, VolumeShape, lights};
+use super::{DecalKind, LightWay, Needs, SurfaceKind, VolumeShape, lights};
 
 /// A graphics pipeline that a frame needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -28,6 +28,8 @@ pub enum Pipeline {
     LightVolume(VolumeShape),
     /// Applies the tone curve.
     Tonemap,
+    /// Paints decals of one kind over the G-buffer.
+    Decal(DecalKind),
 }
 
 impl Pipeline {
@@ -62,5 +64,8 @@ pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pip
         stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
     let sky = needs.sky.then_some((surface, Pipeline::Sky));
-    depths.chain(surfaces).chain(sky).chain(lights).chain(lighting).chain(tonemap).collect()
+    let decals = stage("decals")
+        .into_iter()
+        .flat_map(|s| needs.decals.iter().map(move |n| (s, Pipeline::Decal(n.kind))));
+    depths.chain(surfaces).chain(sky).chain(decals).chain(lights).chain(lighting).chain(tonemap).collect()
 }

@@ -28,6 +28,7 @@ pub fn objects(scene: &Scene, options: &Options) -> Objects {
             "lighting",
             "tonemap",
             "sky",
+            "decal",
         ];
         let known = sorts.iter().chain(&["depth"]).find(|sort| pipeline.starts_with(*sort));
         known.unwrap_or_else(|| panic!("{pipeline}")).to_string()

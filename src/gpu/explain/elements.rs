@@ -57,6 +57,10 @@ impl<'a> Elements<'a> {
                 let lit = plan.needs.lit.as_deref().unwrap_or_default();
                 format!("{lit} is lit by {}", self.light(|_| true))
             }
+            Pipeline::Decal(kind) => {
+                let need = plan.needs.decals.iter().find(|need| need.kind == *kind);
+                need.map_or_else(String::new, |need| need.why.clone())
+            }
             Pipeline::Tonemap => plan.subpass(*stage).2.why.clone(),
         }
     }

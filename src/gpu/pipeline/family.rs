@@ -15,6 +15,8 @@ use crate::plan::{Around, Brdf, Pipeline, Plan};
 pub(in crate::gpu) struct Family {
     frame: u32,
     second: SecondSet,
+    /// With `SET_DECAL_MATERIAL`: the material's number of textures.
+    decal_textures: Option<u32>,
     /// Whether `LightPush` says which light it is.
     one_light: bool,
 }
@@ -44,9 +46,10 @@ const LIGHTMAPS: u32 = shared("BINDING_LIGHTMAPS");
 const LIGHTMAP: u32 = shared("BINDING_LIGHTMAP");
 const PROBES: u32 = shared("BINDING_PROBES");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
+const DECALS: u32 = shared("BINDING_DECALS");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 14] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 15] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -64,6 +67,7 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 14] = {
         (LIGHTMAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (PROBES, T::STORAGE_BUFFER, S::FRAGMENT),
         (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
+        (DECALS, T::STORAGE_BUFFER, both),
     ]
 };
 
@@ -83,6 +87,7 @@ impl Family {
         let of_lights: Vec<u32> = match pipeline {
             Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
             Pipeline::LightVolume(_) => lighting.chain([VOLUMES]).collect(),
+            Pipeline::Decal(_) => vec![DECALS],
             Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap => Vec::new(),
             Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() || plan.has_light_target() => {
                 Vec::new()
@@ -113,12 +118,17 @@ impl Family {
             Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
-            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap => {
+            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap | Pipeline::Decal(_) => {
                 SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
             }
         };
         let one_light = matches!(pipeline, Pipeline::Light(_));
-        Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, one_light }
+        let decal_textures = match pipeline {
+            Pipeline::Decal(kind) => Some(kind.textures.count_ones()),
+            _ => None,
+        };
+        let frame = frame.fold(0, |bits, binding| bits | 1 << binding);
+        Self { frame, second, decal_textures, one_light }
     }
 
     /// Whether its pipelines are told a light by push constant.
@@ -137,24 +147,25 @@ impl Family {
         self.frame
     }
 
-    /// The bindings of `SET_FRAME`, and of the second set.
-    pub(super) fn sets(self) -> [Vec<Binding>; 2] {
+    /// The bindings of `SET_FRAME`, of the second set, and of a decal's material.
+    pub(super) fn sets(self) -> [Vec<Binding>; 3] {
         use vk::{DescriptorType as T, ShaderStageFlags as S};
+        let material = |textures: u32| -> Vec<Binding> {
+            let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
+            let images = const { shared("BINDING_TEXTURES") };
+            let images = (textures > 0).then_some((images, T::COMBINED_IMAGE_SAMPLER, textures, S::FRAGMENT));
+            std::iter::once(numbers).chain(images).collect()
+        };
         let in_frame = FRAME_BINDINGS.iter().filter(|(binding, ..)| self.frame & (1 << binding) != 0);
         let second = match self.second {
-            SecondSet::Material { textures } => {
-                let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
-                let images = const { shared("BINDING_TEXTURES") };
-                let images =
-                    (textures > 0).then_some((images, T::COMBINED_IMAGE_SAMPLER, textures, S::FRAGMENT));
-                std::iter::once(numbers).chain(images).collect()
-            }
+            SecondSet::Material { textures } => material(textures),
             SecondSet::Nothing => Vec::new(),
             SecondSet::Inputs { count } => {
                 (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT)).collect()
             }
         };
-        [in_frame.map(|&(binding, ty, stages)| (binding, ty, 1, stages)).collect(), second]
+        let third = self.decal_textures.map(material).unwrap_or_default();
+        [in_frame.map(|&(binding, ty, stages)| (binding, ty, 1, stages)).collect(), second, third]
     }
 }
 
@@ -162,7 +173,7 @@ impl Family {
 pub(in crate::gpu) struct FamilyLayout {
     pub(in crate::gpu) sets: Vec<Owned<vk::DescriptorSetLayout>>,
     pub(in crate::gpu) layout: Owned<vk::PipelineLayout>,
-    pub(in crate::gpu) bindings: [Vec<Binding>; 2],
+    pub(in crate::gpu) bindings: [Vec<Binding>; 3],
 }
 
 impl FamilyLayout {

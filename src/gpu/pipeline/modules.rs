@@ -1,11 +1,12 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants, Module,
-    OutputConstants, SkyConstants, Specialization, TextureSlot, shared,
+    DecalConstants, GBufferConstants, GeometryConstants, KIND_COUNT, LightLoop, LightingConstants,
+    LightmapConstants, Module, OutputConstants, SkyConstants, Specialization, TextureSlot, shared,
+    target_number,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{Pipeline, Plan, SurfaceKind, VolumeShape};
+use crate::plan::{DecalKind, DecalWay, Pipeline, Plan, SurfaceKind, VolumeShape};
 use crate::visible::ShadowShape;
 
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
@@ -36,6 +37,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::Lighting => (Module::Fullscreen, Some(Module::Lighting), Specialization::default()),
         Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
         Pipeline::LightVolume(shape) => (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape)),
+        Pipeline::Decal(kind) => {
+            let surface =
+                GeometryConstants { textures: textures(&kind.surface()), ..GeometryConstants::default() };
+            let decal = decal_constants(plan, kind).specialization();
+            (Module::DecalVertex, Some(Module::Decal), surface.specialization().and(decal))
+        }
         Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), Specialization::default()),
     };
     let lighting = lighting_constants(plan, pipeline).specialization();
@@ -107,16 +114,32 @@ fn shape_constant(shape: VolumeShape) -> Specialization {
     })
 }
 
-fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
-    let slot = |slot: usize| {
+fn textures(kind: &SurfaceKind) -> [Option<TextureSlot>; KIND_COUNT] {
+    std::array::from_fn(|slot| {
         kind.texture_index(slot).map(|index| TextureSlot {
             slot: index as u32,
             second_texcoord: kind.second_texcoord & (1 << slot) != 0,
             transformed: kind.transformed & (1 << slot) != 0,
         })
-    };
+    })
+}
+
+fn decal_constants(plan: &Plan, kind: &DecalKind) -> DecalConstants {
+    let stage = plan.passes.iter().flat_map(|p| &p.subpasses).find(|s| s.name == "decals");
+    let targets = stage.map_or(&[][..], |stage| &stage.color_names);
+    DecalConstants {
+        channels: kind.channels,
+        targets: targets
+            .iter()
+            .filter_map(|name| target_number(name))
+            .fold(0, |bits, target| bits | 1 << target),
+        blended: plan.decal_way == Some(DecalWay::Fixed),
+    }
+}
+
+fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
     GeometryConstants {
-        textures: std::array::from_fn(slot),
+        textures: textures(kind),
         alpha_mask: kind.alpha_mask,
         double_sided: kind.double_sided,
         unlit: kind.unlit,

@@ -1,5 +1,6 @@
 //! Surfaces that are lit once all are known, from a G-buffer.
 
+use super::decals;
 use super::depth::Depth;
 use super::{Asked, Frame, Stage, Use, added_light};
 use crate::plan::LightWay;
@@ -143,6 +144,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
             "light from several stages was summed".into()
         },
     });
-    frame.stages.extend([geometry, lighting].into_iter().chain(tonemap));
+    let decals = decals::stage(frame, asked, depth, &surface);
+    frame.stages.extend([Some(geometry), decals, Some(lighting)].into_iter().flatten().chain(tonemap));
     frame.folded = folded;
 }

@@ -16,7 +16,7 @@ pub(super) struct Depth {
 
 /// Adds them where something needs them.
 pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
-    let Asked { needs, options, gbuffer, path, way, depth_stencil } = *asked;
+    let Asked { needs, options, gbuffer, path, way, depth_stencil, .. } = *asked;
     let one_by_one = way.is_one_by_one();
     let before_sky = needs.sky && needs.triangles > 0;
     let is_read = path == Path::Deferred && needs.lit.is_some() && gbuffer.reads_depth_attachment();

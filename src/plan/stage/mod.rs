@@ -1,11 +1,12 @@
 //! The stages of a frame and the resources that they exchange, before anything is placed in memory.
 
+mod decals;
 mod deferred;
 mod depth;
 mod forward;
 
 use super::layout::{GBuffer, LightTarget, Target};
-use super::{Format, LightWay, Needs, Options, Path};
+use super::{DecalWay, Format, LightWay, Needs, Options, Path};
 
 /// Something that stages write and read, one value a pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,12 +43,17 @@ pub enum Use {
     /// Input attachment and colour output at once: each fragment reads what the one before it has left, in the order of
     /// rasterisation.
     Modify,
+    /// The same, but what overlaps is drawn with a barrier in between.
+    Rewrite,
 }
 
 impl Use {
     /// Whether earlier content matters.
     pub const fn reads(self) -> bool {
-        matches!(self, Self::Blend | Self::Read | Self::DepthTest | Self::Stencil | Self::Modify)
+        matches!(
+            self,
+            Self::Blend | Self::Read | Self::DepthTest | Self::Stencil | Self::Modify | Self::Rewrite
+        )
     }
 
     /// Whether content changes.
@@ -83,7 +89,7 @@ impl Frame {
     pub const OUTPUT: usize = 0;
 
     /// The least number of stages and resources that give the picture on this path and in this way, none of which is
-    /// `Auto`. The format is for depth where the way needs a stencil.
+    /// `Auto`. The format is for depth where the way needs a stencil; `decals` is how they are ordered, where there are any.
     pub fn new(
         needs: &Needs,
         options: &Options,
@@ -91,6 +97,7 @@ impl Frame {
         path: Path,
         way: LightWay,
         depth_stencil: Format,
+        decals: Option<DecalWay>,
     ) -> Self {
         let mut frame = Self {
             resources: vec![Resource {
@@ -104,7 +111,7 @@ impl Frame {
             stages: Vec::new(),
             folded: false,
         };
-        let asked = Asked { needs, options, gbuffer, path, way, depth_stencil };
+        let asked = Asked { needs, options, gbuffer, path, way, depth_stencil, decals };
         let depth = depth::add(&mut frame, &asked);
         match (&needs.lit, path) {
             (Some(lit), Path::Deferred) => deferred::add(&mut frame, &asked, &depth, lit),
@@ -158,6 +165,7 @@ struct Asked<'a> {
     path: Path,
     way: LightWay,
     depth_stencil: Format,
+    decals: Option<DecalWay>,
 }
 
 impl Asked<'_> {
