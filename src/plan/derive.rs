@@ -262,6 +262,9 @@ impl Dependencies {
                 let names = [a.resource, b.resource].map(|r| frame.resources[r].name);
                 let why = match (a.writes(), b.writes()) {
                     (true, false) => format!("{} is written, then read", names[0]),
+                    (true, true) if b.uses.iter().any(|how| INPUTS.contains(how)) => {
+                        format!("{} is written, then read and rewritten", names[0])
+                    }
                     (true, true) => format!("{} is written, then added to", names[0]),
                     (false, true) => format!("{} is read, then overwritten by {}", names[0], names[1]),
                     (false, false) => format!("{} is read twice, then dropped or stored", names[0]),

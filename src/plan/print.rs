@@ -130,9 +130,11 @@ impl Plan {
             if !s.inputs.is_empty() {
                 writeln!(f, "      reads   {}", list(&s.inputs))?;
             }
-            let blend = match (s.blend, s.ordered) {
-                (true, _) => " (added)",
-                (_, true) => " (each fragment over what it has read, in order)",
+            let blend = match (s.blend, s.ordered, s.barriers) {
+                (true, ..) if s.name == "decals" => " (mixed)",
+                (true, ..) => " (added)",
+                (_, true, _) => " (each fragment over what it has read, in order)",
+                (_, _, true) => " (over what is read, with barriers between draws that overlap)",
                 _ => "",
             };
             if !s.colors.is_empty() {

@@ -22,6 +22,7 @@
 pub mod around;
 pub mod brdf;
 mod bvh;
+mod decals;
 pub mod environment;
 pub mod fog;
 pub mod frame;

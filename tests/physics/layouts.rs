@@ -11,7 +11,7 @@ use crate::gpu::{Ask, Gpu};
 use crate::scenes;
 
 /// All layouts as they are, and those that store reflectance also without the device's sRGB decoder.
-fn layouts() -> Vec<(String, Ask)> {
+pub fn layouts() -> Vec<(String, Ask)> {
     let plain = Layout::ALL.iter().map(|&layout| (layout.to_string(), Ask { layout, ..Ask::EXACT }));
     let power = [Layout::Specular160, Layout::Rasa128]
         .map(|layout| (format!("{layout}, 2.0"), Ask { layout, gamma: Some(Gamma::Power20), ..Ask::EXACT }));
@@ -19,7 +19,7 @@ fn layouts() -> Vec<(String, Ask)> {
 }
 
 /// Each choice alone, on a layout that leaves it.
-fn choices() -> Vec<(String, Ask)> {
+pub fn choices() -> Vec<(String, Ask)> {
     let mut asks = Vec::new();
     let base = Ask { layout: Layout::Ontile128, ..Ask::EXACT };
     asks.extend(Normals::ALL.iter().map(|&n| (n.to_string(), Ask { normals: Some(n), ..base })));
@@ -155,7 +155,7 @@ fn read_wrong(
     (error.is_nan() || error > most).then(|| format!("picture off by {error:.2e}, at most {most:.2e}"))
 }
 
-fn check(gpu: &Gpu, asks: &[(String, Ask)], scenes: &[Scene]) {
+pub fn check(gpu: &Gpu, asks: &[(String, Ask)], scenes: &[Scene]) {
     let mut failed = Vec::new();
     for scene in scenes {
         let camera = &scene.cameras[0];

@@ -126,14 +126,14 @@ fn textures(kind: &SurfaceKind) -> [Option<TextureSlot>; KIND_COUNT] {
 
 fn decal_constants(plan: &Plan, kind: &DecalKind) -> DecalConstants {
     let stage = plan.passes.iter().flat_map(|p| &p.subpasses).find(|s| s.name == "decals");
-    let targets = stage.map_or(&[][..], |stage| &stage.color_names);
+    let blended = plan.decal_way == Some(DecalWay::Fixed);
+    // What is blended is written whole.
+    let targets = stage.filter(|_| !blended).map_or(&[][..], |stage| &stage.color_names);
+    let numbers = targets.iter().filter_map(|name| target_number(name));
     DecalConstants {
         channels: kind.channels,
-        targets: targets
-            .iter()
-            .filter_map(|name| target_number(name))
-            .fold(0, |bits, target| bits | 1 << target),
-        blended: plan.decal_way == Some(DecalWay::Fixed),
+        targets: numbers.fold(0, |bits, target| bits | 1 << target),
+        blended,
     }
 }
 
