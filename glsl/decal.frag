@@ -82,6 +82,9 @@ vec3 painted_normal_world(Decal decal, vec3 normal_world, vec3 normal_sample, fl
 }
 
 void main() {
+#ifdef MULTISAMPLED
+    input_sample = PER_SAMPLE ? gl_SampleID : 0;
+#endif
     Surface surface = gbuffer_read();
     Decal decal = decals[varying_decal];
     vec3 place = in_box(decal, vec4(surface.position_world, 1.0));

@@ -54,30 +54,40 @@ layout(location = TARGET_MORE_WORDS) out uvec4 target_more_words;
 layout(location = TARGET_LIGHT_WORD) out uvec2 target_light_word;
 #endif
 
-layout(set = SET_INPUTS, binding = INPUT_DEPTH, input_attachment_index = INPUT_DEPTH) uniform subpassInput input_depth;
+layout(set = SET_INPUTS, binding = INPUT_DEPTH, input_attachment_index = INPUT_DEPTH) uniform inputAttachment input_depth;
 layout(set = SET_INPUTS, binding = INPUT_POSITION, input_attachment_index = INPUT_POSITION)
-    uniform subpassInput input_position;
+    uniform inputAttachment input_position;
 layout(set = SET_INPUTS, binding = INPUT_POSITION_Z, input_attachment_index = INPUT_POSITION_Z)
-    uniform subpassInput input_position_z;
+    uniform inputAttachment input_position_z;
 layout(set = SET_INPUTS, binding = INPUT_NORMAL_ROUGHNESS, input_attachment_index = INPUT_NORMAL_ROUGHNESS)
-    uniform subpassInput input_normal_roughness;
+    uniform inputAttachment input_normal_roughness;
 layout(set = SET_INPUTS, binding = INPUT_NORMAL, input_attachment_index = INPUT_NORMAL)
-    uniform subpassInput input_normal;
+    uniform inputAttachment input_normal;
 layout(set = SET_INPUTS, binding = INPUT_NORMAL_XY, input_attachment_index = INPUT_NORMAL_XY)
-    uniform subpassInput input_normal_xy;
+    uniform inputAttachment input_normal_xy;
 layout(set = SET_INPUTS, binding = INPUT_BASE_METALLIC, input_attachment_index = INPUT_BASE_METALLIC)
-    uniform subpassInput input_base_metallic;
+    uniform inputAttachment input_base_metallic;
 layout(set = SET_INPUTS, binding = INPUT_SPECULAR, input_attachment_index = INPUT_SPECULAR)
-    uniform subpassInput input_specular;
+    uniform inputAttachment input_specular;
 layout(set = SET_INPUTS, binding = INPUT_WORDS, input_attachment_index = INPUT_WORDS)
-    uniform usubpassInput input_words;
+    uniform uinputAttachment input_words;
 layout(set = SET_INPUTS, binding = INPUT_MORE_WORDS, input_attachment_index = INPUT_MORE_WORDS)
-    uniform usubpassInput input_more_words;
+    uniform uinputAttachment input_more_words;
 layout(set = SET_INPUTS, binding = INPUT_LIGHT_WORD, input_attachment_index = INPUT_LIGHT_WORD)
-    uniform usubpassInput input_light_word;
+    uniform uinputAttachment input_light_word;
 
 vec3 read_position() {
-    return position_world(subpassLoad(input_depth).r);
+#if defined(MULTISAMPLED) && defined(SUBPASS_LIGHTING)
+    if (SAMPLE_DEPTH && !PER_SAMPLE) {
+        // That of the pixel's centre, around which samples are placed evenly: depth is linear over a triangle.
+        float sum = 0.0;
+        for (int i = 0; i < SAMPLE_COUNT; ++i) {
+            sum += subpassLoad(input_depth, i).r;
+        }
+        return position_world(sum / float(SAMPLE_COUNT));
+    }
+#endif
+    return position_world(input_load(input_depth).r);
 }
 
 #endif
@@ -165,7 +175,7 @@ vec4 gbuffer_read_base_metallic() {
     } else if (FORM == FORM_PACKED128) {
         return base_metallic_packed128();
     }
-    vec4 base_metallic = subpassLoad(input_base_metallic);
+    vec4 base_metallic = input_load(input_base_metallic);
     return vec4(decode_color(base_metallic.rgb), FORM == FORM_THIBIEROZ96 ? 0.0 : base_metallic.a);
 }
 

@@ -1,5 +1,5 @@
 #version 450
-// All lights on one pixel, or (ONE_LIGHT) only the one whose volume is drawn. FOLD: tonemaps and writes the output; else
+// All lights on one pixel or sample, or (ONE_LIGHT) only the one whose volume is drawn. FOLD: tonemaps and writes the output; else
 // fixed-function blending adds to the light target, or the shader to the light of the G-buffer (LIGHT_READ).
 #extension GL_GOOGLE_include_directive : require
 #define SUBPASS_LIGHTING
@@ -32,6 +32,9 @@ Reflected light_of(Surface surface) {
 }
 
 void main() {
+#ifdef MULTISAMPLED
+    input_sample = PER_SAMPLE ? gl_SampleID : 0;
+#endif
     Surface surface = gbuffer_read();
     Reflected light = Reflected(vec3(0.0), vec3(0.0));
     if (surface.lit) {

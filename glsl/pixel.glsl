@@ -1,8 +1,19 @@
 // Where a fragment is, in world space.
 
-// A point of the view plane, relative to the axis, for this pixel's centre.
+// Fragments of a sample have places of their own, which only their own depth goes with: all else that geometry stored is of the
+// pixel's centre.
+vec2 fragment_place() {
+#ifdef MULTISAMPLED
+    if (!SAMPLE_DEPTH) {
+        return floor(gl_FragCoord.xy) + 0.5;
+    }
+#endif
+    return gl_FragCoord.xy;
+}
+
+// A point of the view plane, relative to the axis, for this fragment.
 vec3 view_plane_offset_world() {
-    vec2 ndc = gl_FragCoord.xy * (2.0 * frame.inverse_size) - 1.0;
+    vec2 ndc = fragment_place() * (2.0 * frame.inverse_size) - 1.0;
     return frame.right_world.xyz * ndc.x + frame.down_world.xyz * ndc.y;
 }
 

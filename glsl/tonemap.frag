@@ -12,22 +12,82 @@
 layout(constant_id = ID_LIGHT_ALPHA) const bool LIGHT_ALPHA = true; // else depth tells surfaces from the background
 
 layout(set = SET_INPUTS, binding = INPUT_LIGHT, input_attachment_index = INPUT_LIGHT)
-    uniform subpassInput input_light;
+    uniform inputAttachment input_light;
 layout(set = SET_INPUTS, binding = INPUT_SPECULAR_LIGHT, input_attachment_index = INPUT_SPECULAR_LIGHT)
-    uniform subpassInput input_specular_light;
+    uniform inputAttachment input_specular_light;
 
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
-void main() {
-    vec4 light = LIGHT_READ ? gbuffer_read_light(FOG || BACKGROUND) : subpassLoad(input_light);
+// Light and, in alpha, whether it is of a surface.
+vec4 summed_light() {
+    vec4 light = LIGHT_READ ? gbuffer_read_light(FOG || BACKGROUND) : input_load(input_light);
     if (SPLIT_LIGHT) {
-        light = vec4(light.rgb * gbuffer_read().diffuse, 0.0) + subpassLoad(input_specular_light);
+        light = vec4(light.rgb * gbuffer_read().diffuse, 0.0) + input_load(input_specular_light);
     }
+    return light;
+}
+
+bool is_background(vec4 light) {
     // Surfaces write alpha 1, and lights add 0 to it.
-    bool is_background = (LIGHT_ALPHA ? light.a : subpassLoad(input_depth).r) == 0.0;
+    return (LIGHT_ALPHA ? light.a : input_load(input_depth).r) == 0.0;
+}
+
+vec3 exposed_light_of(vec4 light, bool is_background) {
     vec3 exposed_light = light.rgb / frame.light_scale;
     if (FOG && !is_background) {
         exposed_light = fogged(exposed_light, gbuffer_read().position_world);
     }
+    return exposed_light;
+}
+
+#ifdef MULTISAMPLED
+
+// A pixel is the mean of its samples' display light: bright samples that the curve takes to white weigh as much as others, so that
+// edges are as smooth as they look (Persson, "Post-Tonemapping Resolve for High-Quality HDR Antialiasing in D3D10", ShaderX6).
+// RESOLVE_PLAIN: the curve of their mean light. All samples get it, so that the attachment's resolve changes nothing.
+layout(constant_id = ID_RESOLVE_PLAIN) const bool RESOLVE_PLAIN = false;
+
+void main() {
+    vec3 sum = vec3(0.0);
+    vec3 exposed_sum = vec3(0.0);
+    vec3 display = vec3(0.0);
+    vec3 last = vec3(-1.0);
+    int surfaces = 0;
+    for (int i = 0; i < SAMPLE_COUNT; ++i) {
+        input_sample = i;
+        vec4 light = summed_light();
+        bool is_background = is_background(light);
+        if (BACKGROUND && is_background) {
+            sum += background_color().rgb;
+            continue;
+        }
+        vec3 exposed_light = exposed_light_of(light, is_background);
+        surfaces += 1;
+        if (RESOLVE_PLAIN) {
+            exposed_sum += exposed_light;
+            continue;
+        }
+        // Most pixels have but one light.
+        if (exposed_light != last) {
+            last = exposed_light;
+            display = stored(tonemap(exposed_light));
+        }
+        sum += display;
+    }
+    if (RESOLVE_PLAIN && surfaces > 0) {
+        sum += stored(tonemap(exposed_sum / float(surfaces))) * float(surfaces);
+    }
+    vec3 mean = sum / float(SAMPLE_COUNT);
+    target_output = vec4(DITHER && surfaces > 0 ? dither(mean) : mean, 1.0);
+}
+
+#else
+
+void main() {
+    vec4 light = summed_light();
+    bool is_background = is_background(light);
+    vec3 exposed_light = exposed_light_of(light, is_background);
     target_output = BACKGROUND && is_background ? background_color() : output_color(exposed_light);
 }
+
+#endif

@@ -3,6 +3,7 @@
 
 layout(constant_id = ID_TONEMAP) const uint TONEMAP = TONEMAP_NEUTRAL;
 layout(constant_id = ID_DITHER) const bool DITHER = false;
+layout(constant_id = ID_FLOAT_OUTPUT) const bool FLOAT_OUTPUT = false;
 layout(constant_id = ID_BACKGROUND) const bool BACKGROUND = false;
 layout(constant_id = ID_BACKGROUND_RED) const float BACKGROUND_RED = 0.0;
 layout(constant_id = ID_BACKGROUND_GREEN) const float BACKGROUND_GREEN = 0.0;
@@ -84,6 +85,11 @@ vec3 dither(vec3 linear) {
     float steps = (float(entry) + 0.5) / 64.0 - 0.5;
     vec3 srgb = srgb_from_linear(clamp(linear, 0.0, 1.0));
     return linear_from_srgb(clamp(srgb + steps / 255.0, 0.0, 1.0));
+}
+
+// What an output of 8 bits keeps of display light, rounding aside; one of floats keeps all.
+vec3 stored(vec3 color) {
+    return FLOAT_OUTPUT ? color : clamp(color, 0.0, 1.0);
 }
 
 // The pixel of the final image.

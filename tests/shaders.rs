@@ -12,13 +12,13 @@ mod shader_manifest;
 
 use ontile::gpu::shader::{
     DecalConstants, GBufferConstants, GeometryConstants, KIND_COUNT, LightingConstants, Module,
-    OutputConstants, Specialization, embedded_names, prune, shared,
+    OutputConstants, SampleConstants, Specialization, embedded_names, prune, shared,
 };
 use ontile::gpu::shared::{
     ClusterGrid, DecalData, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush,
     MaterialData, ProbeData, ShadowPush, ShadowViewData,
 };
-use ontile::plan::{Brdf, GBuffer, Tonemap};
+use ontile::plan::{Brdf, GBuffer, ResolveWay, Tonemap};
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;
 use rspirv::spirv::{Decoration, Op};
@@ -59,12 +59,12 @@ fn manifest_problems(
             problems.push(format!("{source} changed: run ./tools/shaders"));
         }
     }
-    let expected: BTreeSet<_> = modules.iter().map(|m| m.source().to_owned()).collect();
+    let expected: BTreeSet<_> = modules.iter().map(|m| m.name().to_owned()).collect();
     let compiled: BTreeSet<_> = manifest.modules.keys().cloned().collect();
     problems
         .extend(expected.symmetric_difference(&compiled).map(|name| format!("{name}: not in both lists")));
     for module in modules {
-        let name = module.source();
+        let name = module.name();
         let Some(record) = manifest.modules.get(name) else { continue };
         if record.sources[0] != module.source() {
             problems.push(format!("{name}: compiled from something else"));
@@ -91,11 +91,11 @@ fn read(path: &str) -> Option<Vec<u8>> {
 fn modules_are_fresh() {
     assert_eq!(manifest_problems(&manifest(), &Module::ALL, &read), Vec::<String>::new());
     let embedded: BTreeSet<_> = embedded_names().map(String::from).collect();
-    assert_eq!(embedded, Module::ALL.iter().map(|m| m.source().to_owned()).collect());
+    assert_eq!(embedded, Module::ALL.iter().map(|m| m.name().to_owned()).collect());
     for module in Module::ALL {
-        let file = read(&format!("spirv/{}.spv", module.source())).unwrap();
+        let file = read(&format!("spirv/{}.spv", module.name())).unwrap();
         let words: Vec<_> = file.chunks_exact(4).map(|w| u32::from_le_bytes(w.try_into().unwrap())).collect();
-        assert_eq!(module.spirv().unwrap(), words, "{}", module.source());
+        assert_eq!(module.spirv().unwrap(), words, "{}", module.name());
     }
     let spv_files = std::fs::read_dir(glsl().join("spirv"))
         .unwrap()
@@ -131,7 +131,7 @@ fn stale_modules_are_reported() {
 #[test]
 fn names_are_unique() {
     let all = Module::ALL;
-    assert_eq!(all.iter().map(|m| m.source()).collect::<BTreeSet<_>>().len(), all.len());
+    assert_eq!(all.iter().map(|m| m.name()).collect::<BTreeSet<_>>().len(), all.len());
 }
 
 fn blocks() -> [Block; 11] {
@@ -210,7 +210,7 @@ fn shared_structs_have_the_shaders_offsets() {
     for (module, reflection) in reflections() {
         for block in &blocks {
             if let Some(problems) = reflection.block_problems(block) {
-                assert_eq!(problems, Vec::<String>::new(), "{}", module.source());
+                assert_eq!(problems, Vec::<String>::new(), "{}", module.name());
                 seen.insert(block.name);
             }
         }
@@ -258,7 +258,7 @@ fn interfaces_have_the_numbers_of_shared_h() {
     let mut used = BTreeSet::new();
     for (module, reflection) in reflections() {
         let (names, problems) = reflection.interface_problems(&numbers);
-        assert_eq!(problems, Vec::<String>::new(), "{}", module.source());
+        assert_eq!(problems, Vec::<String>::new(), "{}", module.name());
         used.extend(names);
     }
     let interface = ["SET_", "BINDING_", "INPUT_", "ATTRIBUTE_", "VARYING_", "TARGET_", "ID_"];
@@ -298,11 +298,20 @@ fn wrong_interfaces_are_reported() {
 
 /// A value for every constant that the typed builders know.
 fn every_constant() -> Specialization {
-    let output = OutputConstants { tonemap: Tonemap::Neutral, dither: false, background: None, fog: None };
+    let output = OutputConstants {
+        tonemap: Tonemap::Neutral,
+        dither: false,
+        float: false,
+        background: None,
+        fog: None,
+    };
+    let samples =
+        SampleConstants { samples: 4, per_sample: true, sample_depth: true, resolve: ResolveWay::Plain };
     let surface = GeometryConstants::default().specialization();
     surface
         .and(LightingConstants::default().specialization())
         .and(output.specialization())
+        .and(samples.specialization())
         .and(GBufferConstants::new(&GBuffer::exact()).specialization())
         .and(Specialization::brdf(Brdf::Exact))
         .and(Specialization::volume(0))
@@ -316,7 +325,7 @@ fn builders_know_every_specialisation_constant() {
     assert_eq!(given.ids.iter().collect::<BTreeSet<_>>().len(), given.ids.len(), "an id twice");
     for (module, reflection) in reflections() {
         for (name, id) in reflection.specialisation_ids() {
-            assert!(given.ids.contains(&id), "{}: {name} is never given", module.source());
+            assert!(given.ids.contains(&id), "{}: {name} is never given", module.name());
         }
     }
 }
@@ -341,7 +350,7 @@ fn bytes(spirv: &[u32]) -> Vec<u8> {
 fn modules_are_valid() {
     for module in Module::ALL {
         let Some(problem) = invalid(&bytes(module.spirv().unwrap())) else { return };
-        assert_eq!(problem, "", "{}", module.source());
+        assert_eq!(problem, "", "{}", module.name());
     }
     // A module that ends too early is not valid.
     let whole = read("spirv/tonemap.frag.spv").unwrap();
@@ -380,25 +389,25 @@ fn specialised_modules_are_valid() {
             let constants = constants(&reflection, set);
             let spirv = prune("whole", module.spirv().unwrap(), &constants, None).unwrap().spirv;
             let left = Reflection::new(&spirv);
-            assert!(left.specialisation_ids().is_empty(), "{}", module.source());
+            assert!(left.specialisation_ids().is_empty(), "{}", module.name());
             if let Some(problem) = invalid(&bytes(&spirv)) {
-                assert_eq!(problem, "", "{} with {constants:?}", module.source());
+                assert_eq!(problem, "", "{} with {constants:?}", module.name());
             }
             // What is left has nothing more to lose.
             assert_eq!(
                 prune("left", &spirv, &constants, None).unwrap().spirv,
                 spirv,
                 "{} with {constants:?}",
-                module.source()
+                module.name()
             );
             spirv.len()
         });
         let (least, most) =
             sizes.fold((usize::MAX, 0), |(least, most), size| (least.min(size), most.max(size)));
         let whole = module.spirv().unwrap().len();
-        assert!(most <= whole, "{}: {whole} words, and then {most}", module.source());
+        assert!(most <= whole, "{}: {whole} words, and then {most}", module.name());
         let has_switches = !reflection.specialisation_ids().is_empty();
-        assert!(!has_switches || least < most, "{}: {least} words whatever is switched off", module.source());
+        assert!(!has_switches || least < most, "{}: {least} words whatever is switched off", module.name());
     }
 }
 
@@ -410,17 +419,13 @@ fn repeated_positions_are_invariant() {
         let whole = Reflection::new(module.spirv().unwrap());
         for set in 0..SETS {
             let pruned = prune("whole", module.spirv().unwrap(), &constants(&whole, set), None).unwrap();
-            assert!(
-                Reflection::new(&pruned.spirv).has_invariant_position(),
-                "{}, set {set}",
-                module.source()
-            );
+            assert!(Reflection::new(&pruned.spirv).has_invariant_position(), "{}, set {set}", module.name());
         }
         let mut varying = whole;
         varying
             .module
             .annotations
             .retain(|i| !i.operands.contains(&Operand::Decoration(Decoration::Invariant)));
-        assert!(!varying.has_invariant_position(), "{}: not seen", module.source());
+        assert!(!varying.has_invariant_position(), "{}: not seen", module.name());
     }
 }

@@ -46,8 +46,8 @@ fn compile_all(glsl: &Path) -> Result<Files, Box<dyn Error>> {
             manifest.sources.insert(source.clone(), sha256(&std::fs::read(glsl.join(source))?));
         }
         let record = ModuleRecord { sources, spirv_sha256: sha256(&spirv) };
-        manifest.modules.insert(module.source().to_owned(), record);
-        files.insert(format!("{}.spv", module.source()), spirv);
+        manifest.modules.insert(module.name().to_owned(), record);
+        files.insert(format!("{}.spv", module.name()), spirv);
     }
     let names: String = manifest.modules.keys().map(|name| format!("    \"{name}\",\n")).collect();
     files.insert("modules.rs".into(), format!("// Written by tools/shaders.\nembed![\n{names}]\n").into());
@@ -66,6 +66,9 @@ fn compile(
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_1 as u32);
     options.set_optimization_level(shaderc::OptimizationLevel::Performance);
     options.set_warnings_as_errors();
+    for define in module.defines() {
+        options.add_macro_definition(define, None);
+    }
     // Targets are numbered by what they hold; the places that a pipeline gives them are within every device's limit.
     options.set_limit(shaderc::Limit::MaxDrawBuffers, 32);
     // Keeps names, by which tests match members; `without_source` removes the rest of what this adds.
@@ -83,7 +86,7 @@ fn compile(
     let text = std::fs::read_to_string(glsl.join(module.source()))?;
     let artifact = compiler
         .compile_into_spirv(&text, kind, module.source(), "main", Some(&options))
-        .map_err(|error| format!("{}: {error}", module.source()))?;
+        .map_err(|error| format!("{}: {error}", module.name()))?;
     let spirv = without_source(artifact.as_binary()).iter().flat_map(|word| word.to_le_bytes()).collect();
     drop(options);
     let sources = std::iter::once(module.source().to_owned()).chain(included.into_inner()).collect();

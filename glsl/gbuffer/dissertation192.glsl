@@ -16,9 +16,9 @@ void write_dissertation192(Surface surface, vec3 base_color, float metallic) {
 
 Surface read_dissertation192() {
     mat3 axes = world_from_view();
-    vec4 position = subpassLoad(input_position);
-    vec4 normal = subpassLoad(input_normal);
-    vec4 base_metallic = subpassLoad(input_base_metallic);
+    vec4 position = input_load(input_position);
+    vec4 normal = input_load(input_normal);
+    vec4 base_metallic = input_load(input_base_metallic);
     return Surface(
         frame.camera_position_world.xyz + axes * position.xyz, normal.a != 0.0, unit(axes * normal.xyz), position.w,
         diffuse_of(base_metallic.rgb, base_metallic.a), f0_of(base_metallic.rgb, base_metallic.a));
@@ -28,15 +28,15 @@ Surface read_dissertation192() {
 
 void paint_dissertation192(Paint paint) {
     if (is_target(TARGET_POSITION)) {
-        vec4 position = subpassLoad(input_position);
+        vec4 position = input_load(input_position);
         target_position = DECAL_ROUGHNESS ? vec4(position.xyz, paint.roughness) : position;
     }
     if (is_target(TARGET_NORMAL)) {
-        vec4 normal = subpassLoad(input_normal);
+        vec4 normal = input_load(input_normal);
         target_normal = DECAL_NORMAL ? vec4(paint.normal_world * world_from_view(), normal.a) : normal;
     }
     if (is_target(TARGET_BASE_METALLIC)) {
-        target_base_metallic = painted_base_metallic(subpassLoad(input_base_metallic), paint);
+        target_base_metallic = painted_base_metallic(input_load(input_base_metallic), paint);
     }
 }
 

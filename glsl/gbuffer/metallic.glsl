@@ -16,8 +16,8 @@ void write_metallic(Surface surface, vec3 base_color, float metallic) {
 #else
 
 Surface read_metallic() {
-    vec4 normal_roughness = subpassLoad(input_normal_roughness);
-    vec4 base_metallic = subpassLoad(input_base_metallic);
+    vec4 normal_roughness = input_load(input_normal_roughness);
+    vec4 base_metallic = input_load(input_base_metallic);
     vec3 base_color = decode_color(base_metallic.rgb);
     return Surface(
         read_position(), is_lit(normal_roughness), decode_normal(normal_roughness), decode_roughness(normal_roughness),
@@ -28,10 +28,10 @@ Surface read_metallic() {
 
 void paint_metallic(Paint paint) {
     if (is_target(TARGET_NORMAL_ROUGHNESS)) {
-        target_normal_roughness = painted_normal_roughness(subpassLoad(input_normal_roughness), paint);
+        target_normal_roughness = painted_normal_roughness(input_load(input_normal_roughness), paint);
     }
     if (is_target(TARGET_BASE_METALLIC)) {
-        target_base_metallic = painted_base_metallic(subpassLoad(input_base_metallic), paint);
+        target_base_metallic = painted_base_metallic(input_load(input_base_metallic), paint);
     }
 }
 

@@ -17,8 +17,8 @@ void write_metallic256(Surface surface, vec3 base_color, float metallic, vec4 li
 #else
 
 Surface read_metallic256() {
-    uvec4 words = subpassLoad(input_words);
-    uvec4 more = subpassLoad(input_more_words);
+    uvec4 words = input_load(input_words);
+    uvec4 more = input_load(input_more_words);
     vec3 normal = vec3(unpackHalf2x16(more.x).y, unpackHalf2x16(more.y));
     vec2 roughness_metallic = abs(unpackHalf2x16(more.z));
     vec3 base_color = from_b10g11r11(more.w);
@@ -28,20 +28,20 @@ Surface read_metallic256() {
 }
 
 vec4 read_light_metallic256() {
-    uvec4 more = subpassLoad(input_more_words);
+    uvec4 more = input_load(input_more_words);
     return vec4(
-        unpackHalf2x16(subpassLoad(input_words).w), unpackHalf2x16(more.x).x, (more.z & 0x8000u) != 0u ? 1.0 : 0.0);
+        unpackHalf2x16(input_load(input_words).w), unpackHalf2x16(more.x).x, (more.z & 0x8000u) != 0u ? 1.0 : 0.0);
 }
 
 #ifdef SUBPASS_DECALS
 
 vec4 base_metallic_metallic256() {
-    uvec4 more = subpassLoad(input_more_words);
+    uvec4 more = input_load(input_more_words);
     return vec4(from_b10g11r11(more.w), abs(unpackHalf2x16(more.z).y));
 }
 
 void paint_metallic256(Paint paint) {
-    uvec4 more = subpassLoad(input_more_words);
+    uvec4 more = input_load(input_more_words);
     if (DECAL_NORMAL) {
         more.x = bitfieldInsert(more.x, packHalf2x16(vec2(paint.normal_world.x, 0.0)), 16, 16);
         more.y = packHalf2x16(paint.normal_world.yz);

@@ -44,7 +44,7 @@ void write_packed128(Surface surface, vec3 base_color, float metallic, vec4 ligh
 #else
 
 Surface read_packed128() {
-    uvec2 words = subpassLoad(input_words).xy;
+    uvec2 words = input_load(input_words).xy;
     uvec2 normal = uvec2(words.x & 0x7ffu, words.x >> 11 & 0x7ffu);
     vec3 base_color = from_hyperbola(vec3(words.y & 511u, words.y >> 9 & 511u, words.y >> 18 & 511u) / 511.0);
     float metallic = float(words.x >> 31 << 5 | words.y >> 27) / 63.0;
@@ -56,21 +56,21 @@ Surface read_packed128() {
 vec4 read_light_packed128(bool tell_background) {
     float covered = 1.0;
     if (tell_background) {
-        covered = subpassLoad(input_depth).r > 0.0 ? 1.0 : 0.0;
+        covered = input_load(input_depth).r > 0.0 ? 1.0 : 0.0;
     }
-    return vec4(from_light_word(subpassLoad(input_light_word).xy), covered);
+    return vec4(from_light_word(input_load(input_light_word).xy), covered);
 }
 
 #ifdef SUBPASS_DECALS
 
 vec4 base_metallic_packed128() {
-    uvec2 words = subpassLoad(input_words).xy;
+    uvec2 words = input_load(input_words).xy;
     vec3 stored = vec3(words.y & 511u, words.y >> 9 & 511u, words.y >> 18 & 511u) / 511.0;
     return vec4(from_hyperbola(stored), float(words.x >> 31 << 5 | words.y >> 27) / 63.0);
 }
 
 void paint_packed128(Paint paint) {
-    uvec2 words = subpassLoad(input_words).xy;
+    uvec2 words = input_load(input_words).xy;
     uvec2 rest = uvec2(clamp(vec2(paint.roughness, paint.metallic), 0.0, 1.0) * vec2(511.0, 63.0) + 0.5);
     if (DECAL_NORMAL) {
         uvec2 normal = octahedral_codes(paint.normal_world, HALF_STEPS_11);
@@ -94,7 +94,7 @@ void paint_packed128(Paint paint) {
 #ifdef SUBPASS_LIGHTING
 
 void add_light_packed128(vec3 light) {
-    target_light_word = light_word_of(from_light_word(subpassLoad(input_light_word).xy) + light);
+    target_light_word = light_word_of(from_light_word(input_load(input_light_word).xy) + light);
 }
 
 #endif

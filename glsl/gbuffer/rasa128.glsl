@@ -20,19 +20,19 @@ void write_rasa128(Surface surface) {
 #else
 
 Surface read_rasa128() {
-    vec4 normal = subpassLoad(input_normal);
+    vec4 normal = input_load(input_normal);
     vec2 xy = normal.xy * 2.0 - 1.0;
     vec3 normal_view = vec3(xy, sqrt(max(1.0 - dot(xy, xy), 0.0)));
     return Surface(
         read_position(), normal.a != 0.0, unit(world_from_view() * normal_view), normal.z,
-        decode_color(subpassLoad(input_base_metallic).rgb), decode_color(subpassLoad(input_specular).rgb));
+        decode_color(input_load(input_base_metallic).rgb), decode_color(input_load(input_specular).rgb));
 }
 
 #ifdef SUBPASS_DECALS
 
 void paint_rasa128(Paint paint) {
     if (is_target(TARGET_NORMAL)) {
-        vec4 normal = subpassLoad(input_normal);
+        vec4 normal = input_load(input_normal);
         if (DECAL_NORMAL) {
             normal.xy = (paint.normal_world * world_from_view()).xy * 0.5 + 0.5;
         }

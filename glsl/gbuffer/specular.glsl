@@ -13,7 +13,7 @@ void write_specular(Surface surface) {
 
 Surface read_specular() {
     Surface surface = read_metallic();
-    surface.f0 = decode_color(subpassLoad(input_specular).rgb);
+    surface.f0 = decode_color(input_load(input_specular).rgb);
     return surface;
 }
 
@@ -27,14 +27,14 @@ vec4 painted_product(vec4 stored, vec3 product) {
 void paint_products(Paint paint) {
     if (is_target(TARGET_BASE_METALLIC)) {
         vec3 diffuse = diffuse_of(paint.base_color, paint.metallic);
-        target_base_metallic = painted_product(subpassLoad(input_base_metallic), diffuse);
-        target_specular = painted_product(subpassLoad(input_specular), f0_of(paint.base_color, paint.metallic));
+        target_base_metallic = painted_product(input_load(input_base_metallic), diffuse);
+        target_specular = painted_product(input_load(input_specular), f0_of(paint.base_color, paint.metallic));
     }
 }
 
 void paint_specular(Paint paint) {
     if (is_target(TARGET_NORMAL_ROUGHNESS)) {
-        target_normal_roughness = painted_normal_roughness(subpassLoad(input_normal_roughness), paint);
+        target_normal_roughness = painted_normal_roughness(input_load(input_normal_roughness), paint);
     }
     paint_products(paint);
 }

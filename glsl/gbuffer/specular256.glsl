@@ -16,22 +16,22 @@ void write_specular256(Surface surface, vec4 light) {
 #else
 
 Surface read_specular256() {
-    uvec4 more = subpassLoad(input_more_words);
+    uvec4 more = input_load(input_more_words);
     return Surface(
-        uintBitsToFloat(subpassLoad(input_words).xyz), more.y != 0u, unit(from_b10g11r11(more.y) * 2.0 - 1.0),
+        uintBitsToFloat(input_load(input_words).xyz), more.y != 0u, unit(from_b10g11r11(more.y) * 2.0 - 1.0),
         abs(unpackHalf2x16(more.x).y), from_b10g11r11(more.z), from_b10g11r11(more.w));
 }
 
 vec4 read_light_specular256() {
-    uint word = subpassLoad(input_more_words).x;
+    uint word = input_load(input_more_words).x;
     return vec4(
-        unpackHalf2x16(subpassLoad(input_words).w), unpackHalf2x16(word).x, (word & 0x80000000u) != 0u ? 1.0 : 0.0);
+        unpackHalf2x16(input_load(input_words).w), unpackHalf2x16(word).x, (word & 0x80000000u) != 0u ? 1.0 : 0.0);
 }
 
 #ifdef SUBPASS_DECALS
 
 void paint_specular256(Paint paint) {
-    uvec4 more = subpassLoad(input_more_words);
+    uvec4 more = input_load(input_more_words);
     if (DECAL_ROUGHNESS) {
         // Its sign stays.
         more.x = bitfieldInsert(more.x, packHalf2x16(vec2(paint.roughness, 0.0)), 16, 15);

@@ -15,9 +15,9 @@ void write_thibieroz128(Surface surface, vec3 base_color, float metallic) {
 #else
 
 Surface read_thibieroz128() {
-    vec4 position = subpassLoad(input_position);
-    vec4 normal = subpassLoad(input_normal);
-    vec4 base_metallic = subpassLoad(input_base_metallic);
+    vec4 position = input_load(input_position);
+    vec4 normal = input_load(input_normal);
+    vec4 base_metallic = input_load(input_base_metallic);
     vec3 base_color = decode_color(base_metallic.rgb);
     return Surface(
         position.xyz, normal.a != 0.0, unit(normal.xyz * 2.0 - 1.0), position.w,
@@ -28,14 +28,14 @@ Surface read_thibieroz128() {
 
 void paint_thibieroz128(Paint paint) {
     if (is_target(TARGET_POSITION)) {
-        vec4 position = subpassLoad(input_position);
+        vec4 position = input_load(input_position);
         target_position = DECAL_ROUGHNESS ? vec4(position.xyz, paint.roughness) : position;
     }
     if (is_target(TARGET_NORMAL)) {
-        target_normal = DECAL_NORMAL ? vec4(paint.normal_world * 0.5 + 0.5, 1.0) : subpassLoad(input_normal);
+        target_normal = DECAL_NORMAL ? vec4(paint.normal_world * 0.5 + 0.5, 1.0) : input_load(input_normal);
     }
     if (is_target(TARGET_BASE_METALLIC)) {
-        target_base_metallic = painted_base_metallic(subpassLoad(input_base_metallic), paint);
+        target_base_metallic = painted_base_metallic(input_load(input_base_metallic), paint);
     }
 }
 

@@ -21,9 +21,9 @@ void write_thibieroz96(Surface surface, vec3 base_color) {
 #else
 
 Surface read_thibieroz96() {
-    vec4 base = subpassLoad(input_base_metallic);
-    vec3 normal = vec3(subpassLoad(input_normal_xy).xy, base.a);
-    vec3 position = vec3(subpassLoad(input_position).xy, subpassLoad(input_position_z).x);
+    vec4 base = input_load(input_base_metallic);
+    vec3 normal = vec3(input_load(input_normal_xy).xy, base.a);
+    vec3 position = vec3(input_load(input_position).xy, input_load(input_position_z).x);
     return Surface(
         position, normal != vec3(0.0), unit(normal * 2.0 - 1.0), THIBIEROZ_ROUGHNESS, decode_color(base.rgb),
         vec3(DIELECTRIC_F0));
@@ -34,12 +34,12 @@ Surface read_thibieroz96() {
 void paint_thibieroz96(Paint paint) {
     vec3 normal = paint.normal_world * 0.5 + 0.5;
     if (is_target(TARGET_BASE_METALLIC)) {
-        vec4 base = subpassLoad(input_base_metallic);
+        vec4 base = input_load(input_base_metallic);
         vec3 color = DECAL_BASE_COLOR ? encode_color(paint.base_color) : base.rgb;
         target_base_metallic = vec4(color, DECAL_NORMAL ? normal.z : base.a);
     }
     if (is_target(TARGET_NORMAL_XY)) {
-        target_normal_xy = DECAL_NORMAL ? normal.xy : subpassLoad(input_normal_xy).xy;
+        target_normal_xy = DECAL_NORMAL ? normal.xy : input_load(input_normal_xy).xy;
     }
 }
 

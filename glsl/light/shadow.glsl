@@ -40,13 +40,22 @@ float shadow_grid(ShadowView view, vec2 at, vec2 radius, float depth, int n) {
     return lit / float(n * n);
 }
 
+// The same for all samples of a pixel.
+vec2 noise_place() {
+#ifdef MULTISAMPLED
+    return floor(gl_FragCoord.xy) + 0.5;
+#else
+    return gl_FragCoord.xy;
+#endif
+}
+
 // Samples on a disc along Vogel's spiral (Vogel 1979, "A better way to construct the sunflower head"), turned by another
 // angle in each pixel: interleaved gradient noise (Jimenez 2014, "Next Generation Post Processing in Call of Duty: Advanced
 // Warfare"), whose 3x3 neighbours have all different values. The same pixel always has the same.
 float shadow_jittered(ShadowView view, vec2 at, vec2 radius, float depth) {
     const int SAMPLES = 12;
     const float GOLDEN_ANGLE = 2.39996322972865332;
-    float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+    float noise = fract(52.9829189 * fract(dot(noise_place(), vec2(0.06711056, 0.00583715))));
     float lit = 0.0;
     for (int i = 0; i < SAMPLES; ++i) {
         float angle = GOLDEN_ANGLE * float(i) + 2.0 * PI * noise;

@@ -12,7 +12,7 @@ use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
     Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, Path,
-    ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
+    ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
 };
 use ontile::scene::{Background, FogHeight, Scene};
 
@@ -160,6 +160,12 @@ pub struct PlanArgs {
     /// Add half a step of ordered noise before rounding to 8 bits [default: off]
     #[arg(long)]
     pub dither: bool,
+    /// Samples a pixel, as the device allows: 1, 2, 4 or 8
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub samples: u32,
+    /// How they become one: the tone curve and then the mean, or the mean of light and then the tone curve
+    #[arg(long, value_name = "WAY", default_value_t = ResolveWay::Tonemapped, value_parser = named(ResolveWay::ALL, ResolveWay::name))]
+    pub resolve: ResolveWay,
     /// Give every attachment its own memory, even where lifetimes do not overlap [default: share]
     #[arg(long)]
     pub no_recycle: bool,
@@ -202,6 +208,8 @@ impl PlanArgs {
             recycle: !self.no_recycle,
             fold: !self.no_fold,
             dither: self.dither,
+            samples: self.samples,
+            resolve: self.resolve,
             decals: self.decals,
             environment_format: self.environment_format.unwrap_or(default.environment_format),
             lightmap_format: self.lightmap_format.unwrap_or(default.lightmap_format),

@@ -54,7 +54,13 @@ pub fn run(args: &PlanCommandArgs) -> ontile::Result<()> {
     let camera = scene::camera(&scene, &args.scene)?.clone();
     scene::tell_idle_flags(&scene, &args.plan);
     // No device is asked: the picture's size is its only limit that may go beyond the guaranteed ones.
-    let limits = Limits { max_image_size: u32::MAX, ordered_attachment_access: true, ..Limits::default() };
+    let limits = Limits {
+        max_image_size: u32::MAX,
+        ordered_attachment_access: true,
+        sample_counts: 1 | 2 | 4 | 8,
+        word_sample_counts: 1 | 2 | 4 | 8,
+        ..Limits::default()
+    };
     let options = auto::options(&args.plan, OutputFormat::Rgba8Srgb, &mut scene, &camera, &limits)?;
     let plan = Plan::new(Needs::of(&scene), options, &limits)?;
     plan.warnings.iter().for_each(|warning| print::warning(warning));

@@ -51,8 +51,14 @@ pub struct Caps {
     pub optimal_buffer_copy_offset_alignment: u64,
     /// `maxSamplerAnisotropy`; 1 without the feature.
     pub max_sampler_anisotropy: f32,
-    /// Sample counts that colour, depth and input attachments all support.
+    /// `subPixelPrecisionBits`: vertices are rounded to this many binary places of a pixel.
+    pub sub_pixel_precision_bits: u32,
+    /// Sample counts that colour, depth and stencil attachments all support, input attachments included.
     pub sample_counts: Vec<u32>,
+    /// Those that attachments of integers support too.
+    pub integer_sample_counts: Vec<u32>,
+    /// The `sampleRateShading` feature.
+    pub sample_rate_shading: bool,
     /// Nanoseconds per timestamp step.
     pub timestamp_period_ns: f32,
     /// Meaningful bits of a timestamp on the queue family in use; 0 without timestamps.
@@ -115,6 +121,9 @@ impl Caps {
             max_image_size: self.max_image_dimension_2d.min(width).min(height),
             gbuffer_on_chip: self.lazily_allocated_memory || self.device_type == DeviceType::Cpu,
             ordered_attachment_access: self.rasterization_order_attachment_access,
+            sample_counts: self.sample_counts.iter().sum(),
+            word_sample_counts: self.integer_sample_counts.iter().sum(),
+            sample_shading: self.sample_rate_shading,
             depth_stencil: if self.d32_s8 { Format::D32FloatS8 } else { Format::D24UnormS8 },
         }
     }
@@ -171,6 +180,28 @@ impl Caps {
 
         let limits = &properties.limits;
         let version = properties.api_version;
+        // Input attachments are sampled images as far as sample counts go.
+        let sample_counts = limits.framebuffer_color_sample_counts
+            & limits.framebuffer_depth_sample_counts
+            & limits.framebuffer_stencil_sample_counts
+            & limits.sampled_image_color_sample_counts
+            & limits.sampled_image_depth_sample_counts;
+        // Before Vulkan 1.2 no limit says it of attachments.
+        // SAFETY: as above.
+        let of_integers = unsafe {
+            instance.get_physical_device_image_format_properties(
+                physical_device,
+                vk::Format::R32G32B32A32_UINT,
+                vk::ImageType::TYPE_2D,
+                vk::ImageTiling::OPTIMAL,
+                vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::INPUT_ATTACHMENT,
+                vk::ImageCreateFlags::empty(),
+            )
+        };
+        let integer_sample_counts = of_integers.map_or(vk::SampleCountFlags::TYPE_1, |p| p.sample_counts);
+        let counts = |counts: vk::SampleCountFlags| {
+            (0..7).map(|bit| 1 << bit).filter(|n| counts.as_raw() & n != 0).collect()
+        };
         Self {
             name: text(properties.device_name_as_c_str()),
             driver: match (text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())) {
@@ -206,18 +237,14 @@ impl Caps {
             min_uniform_buffer_offset_alignment: limits.min_uniform_buffer_offset_alignment,
             min_storage_buffer_offset_alignment: limits.min_storage_buffer_offset_alignment,
             optimal_buffer_copy_offset_alignment: limits.optimal_buffer_copy_offset_alignment,
+            sub_pixel_precision_bits: limits.sub_pixel_precision_bits,
             max_sampler_anisotropy: match features.sampler_anisotropy {
                 vk::TRUE => limits.max_sampler_anisotropy,
                 _ => 1.0,
             },
-            sample_counts: {
-                // Input attachments are sampled images as far as sample counts go.
-                let counts = limits.framebuffer_color_sample_counts
-                    & limits.framebuffer_depth_sample_counts
-                    & limits.sampled_image_color_sample_counts
-                    & limits.sampled_image_depth_sample_counts;
-                (0..7).map(|bit| 1 << bit).filter(|n| counts.as_raw() & n != 0).collect()
-            },
+            sample_counts: counts(sample_counts),
+            integer_sample_counts: counts(sample_counts & integer_sample_counts),
+            sample_rate_shading: features.sample_rate_shading == vk::TRUE,
             timestamp_period_ns: limits.timestamp_period,
             timestamp_valid_bits: families.get(queue_family as usize).map_or(0, |f| f.timestamp_valid_bits),
             d32_s8: {

@@ -105,6 +105,12 @@ pub fn access(a: Access) -> (vk::PipelineStageFlags, vk::AccessFlags) {
     }
 }
 
+/// A number of samples a pixel, of those that a plan can have.
+pub fn samples(count: u32) -> vk::SampleCountFlags {
+    // Each flag's value is its count.
+    vk::SampleCountFlags::from_raw(count)
+}
+
 /// The fixed-function features that a format must have for a usage.
 pub fn format_features(u: Usage) -> vk::FormatFeatureFlags {
     let flags = [

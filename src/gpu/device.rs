@@ -50,6 +50,8 @@ pub struct Features {
     /// `rasterizationOrderColorAttachmentAccess` of VK_EXT_rasterization_order_attachment_access or of Arm's original: layouts
     /// that hold light in words want it where lights are added one by one.
     pub ordered_attachment_access: bool,
+    /// `sampleRateShading`: G-buffers of several samples a pixel want it.
+    pub sample_rate_shading: bool,
 }
 
 /// A Vulkan device and what is needed to use it. Clones are cheap and share everything.

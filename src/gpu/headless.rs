@@ -232,7 +232,8 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
     let features = vk::PhysicalDeviceFeatures::default()
         .pipeline_statistics_query(caps.pipeline_statistics)
         .image_cube_array(caps.image_cube_array)
-        .occlusion_query_precise(caps.occlusion_precise);
+        .occlusion_query_precise(caps.occlusion_precise)
+        .sample_rate_shading(caps.sample_rate_shading);
     // SAFETY: the device was enumerated from this instance.
     let offered = unsafe { instance.raw.enumerate_device_extension_properties(physical_device) };
     let offered = offered.called("vkEnumerateDeviceExtensionProperties")?;
@@ -268,6 +269,7 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
             image_cube_array: caps.image_cube_array,
             occlusion_precise: caps.occlusion_precise,
             ordered_attachment_access: order.is_some(),
+            sample_rate_shading: caps.sample_rate_shading,
         },
     };
     let owned = OwnedDevice { raw, _instance: instance };

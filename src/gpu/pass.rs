@@ -25,7 +25,7 @@ pub fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<O
             let format = plan.attachments[a.attachment].format;
             vk::AttachmentDescription::default()
                 .format(conv::format(format))
-                .samples(vk::SampleCountFlags::TYPE_1)
+                .samples(conv::samples(plan.attachments[a.attachment].samples))
                 .load_op(conv::load_op(a.load))
                 .store_op(conv::store_op(a.store))
                 .stencil_load_op(conv::load_op(a.stencil.0))
@@ -48,6 +48,8 @@ pub fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<O
 /// Attachment references of one subpass, kept alive while Vulkan reads them.
 struct References {
     colors: Vec<vk::AttachmentReference>,
+    /// As many, or none.
+    resolves: Vec<vk::AttachmentReference>,
     inputs: Vec<vk::AttachmentReference>,
     depth: Option<vk::AttachmentReference>,
     preserve: Vec<u32>,
@@ -62,6 +64,15 @@ impl References {
         let inputs = subpass.inputs.iter().zip(&subpass.input_states);
         Self {
             colors: colors.map(|(i, &state)| reference(i, state)).collect(),
+            resolves: subpass.resolve.map_or(Vec::new(), |resolve| {
+                let unused = vk::AttachmentReference {
+                    attachment: vk::ATTACHMENT_UNUSED,
+                    layout: vk::ImageLayout::UNDEFINED,
+                };
+                let mut resolves = vec![unused; subpass.colors.len()];
+                resolves[resolve.from] = reference(&resolve.to, resolve.state);
+                resolves
+            }),
             inputs: inputs.map(|(i, &state)| reference(i, state)).collect(),
             depth: subpass.depth.as_ref().zip(subpass.depth_state).map(|(i, state)| reference(i, state)),
             preserve: subpass.preserve.iter().map(|&i| i as u32).collect(),
@@ -79,6 +90,10 @@ impl References {
             .color_attachments(&self.colors)
             .input_attachments(&self.inputs)
             .preserve_attachments(&self.preserve);
+        let description = match self.resolves.is_empty() {
+            true => description,
+            false => description.resolve_attachments(&self.resolves),
+        };
         match &self.depth {
             Some(depth) => description.depth_stencil_attachment(depth),
             None => description,

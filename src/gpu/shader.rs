@@ -15,7 +15,7 @@ pub use places::AttachmentPlaces;
 pub use prune::{Pruned, prune};
 pub use specialization::{
     DecalConstants, GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants,
-    OutputConstants, SkyConstants, Specialization, TextureSlot,
+    OutputConstants, SampleConstants, SkyConstants, Specialization, TextureSlot,
 };
 
 use std::collections::BTreeSet;
@@ -56,6 +56,10 @@ pub enum Module {
     Lighting,
     /// Turns the light target into the output.
     Tonemap,
+    /// [`Self::Lighting`] of several samples a pixel.
+    LightingSamples,
+    /// [`Self::Tonemap`] of several samples a pixel.
+    TonemapSamples,
     /// Draws the environment where no surface is, and says "not lit" in the G-buffer where there is one.
     Sky,
     /// One triangle over the whole image.
@@ -70,11 +74,13 @@ pub enum Module {
     DecalVertex,
     /// Paints a decal over the G-buffer.
     Decal,
+    /// [`Self::Decal`] of several samples a pixel.
+    DecalSamples,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 19] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -89,8 +95,11 @@ impl Module {
         Self::Lighting,
         Self::Tonemap,
         Self::ShadowCompose,
+        Self::LightingSamples,
+        Self::TonemapSamples,
         Self::DecalVertex,
         Self::Decal,
+        Self::DecalSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -103,15 +112,40 @@ impl Module {
             Self::Base => "base.frag",
             Self::Light => "light.frag",
             Self::Mask => "mask.frag",
-            Self::Lighting => "lighting.frag",
-            Self::Tonemap => "tonemap.frag",
+            Self::Lighting | Self::LightingSamples => "lighting.frag",
+            Self::Tonemap | Self::TonemapSamples => "tonemap.frag",
             Self::Sky => "sky.frag",
             Self::Fullscreen => "fullscreen.vert",
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
             Self::DecalVertex => "decal.vert",
-            Self::Decal => "decal.frag",
+            Self::Decal | Self::DecalSamples => "decal.frag",
+        }
+    }
+
+    /// Its name, which no other module has: that of its source or, where it is compiled from that in another way, beside it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LightingSamples => "lighting_samples.frag",
+            Self::TonemapSamples => "tonemap_samples.frag",
+            Self::DecalSamples => "decal_samples.frag",
+            _ => self.source(),
+        }
+    }
+
+    /// What is defined when it is compiled.
+    pub fn defines(self) -> &'static [&'static str] {
+        if self.name() == self.source() { &[] } else { &["MULTISAMPLED"] }
+    }
+
+    /// The module that does the same where input attachments have several samples a pixel: itself, if it reads none.
+    pub fn multisampled(self) -> Self {
+        match self {
+            Self::Lighting => Self::LightingSamples,
+            Self::Tonemap => Self::TonemapSamples,
+            Self::Decal => Self::DecalSamples,
+            other => other,
         }
     }
 
@@ -125,7 +159,7 @@ impl Module {
     /// # Errors
     /// [`Error::Unsupported`] for a module that was not compiled.
     pub fn spirv(self) -> Result<&'static [u32]> {
-        let name = self.source();
+        let name = self.name();
         let (_, module) = EMBEDDED.iter().find(|(embedded, _)| *embedded == name).ok_or_else(|| {
             Error::unsupported(format!("there is no shader module '{name}'"), "run ./tools/shaders")
         })?;
@@ -156,10 +190,10 @@ impl Shaders {
         constants: &Specialization,
         attachments: &AttachmentPlaces,
     ) -> Result<Self> {
-        let left = |module: Module, read| prune(module.source(), module.spirv()?, constants, read);
+        let left = |module: Module, read| prune(module.name(), module.spirv()?, constants, read);
         let fragment = fragment.map(|module| {
             let left = left(module, None)?;
-            Ok((attachments.apply(module.source(), left.spirv)?, left.inputs))
+            Ok((attachments.apply(module.name(), left.spirv)?, left.inputs))
         });
         let (fragment, read) = fragment.transpose()?.unzip();
         let vertex = left(vertex, Some(&read.unwrap_or_default()))?;

@@ -62,7 +62,9 @@ impl Target {
                 if a.is_output {
                     return Ok(None);
                 }
+                let samples = conv::samples(a.samples);
                 let desc = ImageDesc::new(&a.name, conv::format(a.format), size, conv::usage(a.usage));
+                let desc = ImageDesc { samples, ..desc };
                 let image = match a.transient {
                     true => Image::transient(device, &desc, capture),
                     false => Image::new(device, &desc),

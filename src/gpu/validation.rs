@@ -4,7 +4,7 @@ use ash::vk;
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::plan::{Load, Pass, PassAttachment, Path, Plan};
+use crate::plan::{Load, Pass, PassAttachment, Path, Plan, Store};
 
 /// Messages of one instance, in order; shared, so that they outlive it.
 #[derive(Clone, Debug, Default)]
@@ -81,9 +81,17 @@ pub fn expected_advice(plan: &Plan) -> Vec<&'static str> {
     let clears_only_stencil = |pass: &Pass| {
         pass.attachments.iter().any(|a| clears(a)[1]) && !pass.attachments.iter().any(|a| clears(a)[0])
     };
+    let several = |a: &PassAttachment| plan.attachments[a.attachment].samples > 1;
     let told = [
         // Arm and IMG advise against loads, which are all that `separate` is there for.
         (attachments().any(|a| a.load == Load::Load), "attachment-needs-readback"),
+        // The same for several samples a pixel, for which Arm advises against all memory.
+        (attachments().any(|a| several(a) && a.store == Store::Store), "image-requires-memory"),
+        (attachments().any(|a| several(a) && a.store == Store::Store), "non-transient-ms-image"),
+        // Mali takes longer to blend several samples of wide formats; the plan says so.
+        (plan.blends_samples_of_floats(), "multisampled-blending"),
+        // Likewise of more than 4 samples.
+        (plan.options.samples > 4, "too-large-sample-count"),
         // A draw for each light and small object is the way of multi-pass shading, and one for each tile and small caster
         // that of shadow maps. (What can be drawn at once is.)
         (plan.path == Path::ForwardMultipass || plan.shadow_map.is_some(), "many-small-indexed-drawcalls"),

@@ -38,7 +38,7 @@ impl Access {
 
     fn of_one(how: Use) -> Scope {
         match how {
-            Use::Write => [Self::ColorWrite].into(),
+            Use::Write | Use::Resolve => [Self::ColorWrite].into(),
             Use::Blend => [Self::ColorRead, Self::ColorWrite].into(),
             Use::Depth | Use::Stencil => [Self::DepthRead, Self::DepthWrite].into(),
             Use::DepthTest => [Self::DepthRead].into(),

@@ -25,8 +25,10 @@ pub struct Adreno {
 /// An attachment as it occupies tile memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Occupancy {
-    /// How a pixel is stored.
+    /// How a sample is stored.
     pub format: Format,
+    /// Samples a pixel.
+    pub samples: u32,
     /// The first and the last subpass that need it.
     pub subpasses: [usize; 2],
 }
@@ -121,10 +123,10 @@ fn planes(attachments: &[Occupancy]) -> Vec<u32> {
         subpasses: [usize; 2],
     }
     let mut places: Vec<Place> = Vec::new();
-    for Occupancy { format, subpasses: [first, last] } in attachments {
+    for Occupancy { format, samples, subpasses: [first, last] } in attachments {
         // Stencil beside 32-bit depth has a place of its own, after it.
         let parts: &[u32] = if *format == Format::D32FloatS8 { &[4, 1] } else { &[format.bytes()] };
-        for &bytes in parts {
+        for bytes in parts.iter().map(|bytes| bytes * samples) {
             let mut free = (places.iter_mut())
                 .filter(|p| p.bytes >= bytes && (p.subpasses[0] > *last || p.subpasses[1] < *first))
                 .collect::<Vec<_>>();
@@ -147,20 +149,21 @@ impl Plan {
     pub fn occupancy(&self, pass: usize) -> Vec<Occupancy> {
         let pass = &self.passes[pass];
         let attachments = pass.attachments.iter().enumerate();
-        attachments
-            .map(|(index, used)| {
-                let uses = |s: &super::Subpass| {
-                    s.colors.contains(&index) || s.inputs.contains(&index) || s.depth == Some(index)
-                };
-                let mut subpasses = (0..pass.subpasses.len()).filter(|&s| uses(&pass.subpasses[s]));
-                let first = subpasses.next().unwrap_or(0);
-                let last = subpasses.next_back().unwrap_or(first);
-                let stored = used.store == Store::Store || used.stencil.1 == Store::Store;
-                // What is stored stays until the pass ends.
-                let last = if stored { pass.subpasses.len() - 1 } else { last };
-                Occupancy { format: self.attachments[used.attachment].format, subpasses: [first, last] }
-            })
-            .collect()
+        let held = attachments.filter(|(index, _)| pass.is_on_tile(*index));
+        held.map(|(index, used)| {
+            let uses = |s: &super::Subpass| {
+                s.colors.contains(&index) || s.inputs.contains(&index) || s.depth == Some(index)
+            };
+            let mut subpasses = (0..pass.subpasses.len()).filter(|&s| uses(&pass.subpasses[s]));
+            let first = subpasses.next().unwrap_or(0);
+            let last = subpasses.next_back().unwrap_or(first);
+            let stored = used.store == Store::Store || used.stencil.1 == Store::Store;
+            // What is stored stays until the pass ends.
+            let last = if stored { pass.subpasses.len() - 1 } else { last };
+            let super::Attachment { format, samples, .. } = self.attachments[used.attachment];
+            Occupancy { format, samples, subpasses: [first, last] }
+        })
+        .collect()
     }
 }
 
@@ -173,7 +176,7 @@ mod tests {
     /// What Turnip of Mesa 26.1.6 printed for the courtyard at 1920x1080: five attachments of four bytes.
     #[test]
     fn twenty_bytes_are_cut_as_the_driver_cuts_them() {
-        let all = vec![Occupancy { format: Format::Rgba8Srgb, subpasses: [0, 0] }; 5];
+        let all = vec![Occupancy { format: Format::Rgba8Srgb, samples: 1, subpasses: [0, 0] }; 5];
         let expected = [(40, [192, 272]), (28, [480, 160]), (14, [960, 160])];
         for (adreno, (count, size_px)) in Adreno::ALL.into_iter().zip(expected) {
             assert_eq!(adreno.bins(&all, SIZE), Some(Bins { count, size_px }), "{}", adreno.id);
@@ -182,7 +185,7 @@ mod tests {
 
     #[test]
     fn fewer_bytes_never_need_more_bins_and_too_many_do_not_fit() {
-        let many = |format, n| vec![Occupancy { format, subpasses: [0, 0] }; n];
+        let many = |format, n| vec![Occupancy { format, samples: 1, subpasses: [0, 0] }; n];
         for adreno in Adreno::ALL {
             let counts: Vec<_> =
                 (1..20).map(|n| adreno.bins(&many(Format::Rgba16Float, n), SIZE).unwrap().count).collect();
@@ -197,7 +200,10 @@ mod tests {
     fn what_is_not_needed_at_the_same_time_shares_a_place() {
         let of = |list: &[(Format, [usize; 2])]| {
             planes(
-                &list.iter().map(|&(format, subpasses)| Occupancy { format, subpasses }).collect::<Vec<_>>(),
+                &list
+                    .iter()
+                    .map(|&(format, subpasses)| Occupancy { format, samples: 1, subpasses })
+                    .collect::<Vec<_>>(),
             )
         };
         use Format::{D32Float, D32FloatS8, Rgba8Srgb, Rgba16Float};

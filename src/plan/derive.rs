@@ -5,10 +5,12 @@ use std::collections::BTreeMap;
 
 use super::access::{Access, Scope, State};
 use super::stage::{Frame, Use};
-use super::{Attachment, Dependency, Load, Options, Pass, PassAttachment, Store, Strategy, Subpass, Usage};
+use super::{
+    Attachment, Dependency, Load, Options, Pass, PassAttachment, Resolve, Store, Strategy, Subpass, Usage,
+};
 
 /// Places resources in attachments, as a compiler allocates registers: a resource may take over an attachment of
-/// the same format once the previous occupant was last read in an earlier stage.
+/// the same format and samples once the previous occupant was last read in an earlier stage.
 ///
 /// The final image is placed first and can take in earlier resources only if it may be read as an input
 /// attachment. A resource that must be cleared can only be the first occupant, because an attachment is cleared
@@ -34,10 +36,10 @@ pub fn place(frame: &Frame, options: &Options) -> Vec<Vec<usize>> {
 
 fn can_share(frame: &Frame, options: &Options, all: &mut [usize]) -> bool {
     all.sort_by_key(|&r| frame.lifetime(r));
-    let format = frame.resources[all[0]].format;
+    let like = |r: usize| (frame.resources[r].format, frame.resources[r].samples);
     let reads_output = all.contains(&Frame::OUTPUT) && !options.output_is_input_attachment;
     !reads_output
-        && all.iter().all(|&r| frame.resources[r].format == format)
+        && all.iter().all(|&r| like(r) == like(all[0]))
         && all.iter().skip(1).all(|&r| frame.resources[r].clear.is_none())
         && all.windows(2).all(|w| frame.lifetime(w[0]).1 < frame.lifetime(w[1]).0)
 }
@@ -191,9 +193,17 @@ fn subpass(
     let unused_here = |a: &PassAttachment| touches[&a.attachment].iter().all(|t| t.subpass != index);
     let live: Vec<_> = (0..attachments.len()).filter(|&i| alive(&attachments[i])).collect();
     let bits = |depth: bool| {
-        let format = |i: usize| frame.resources[touches[&attachments[i].attachment][0].resource].format;
-        live.iter().map(|&i| format(i)).filter(|f| f.is_depth() == depth).map(|f| f.bits()).sum()
+        let touches = live.iter().map(|&i| &touches[&attachments[i].attachment]);
+        // What samples are resolved to leaves the tile as it is made.
+        let held = touches.filter(|touches| touches.iter().any(|t| t.uses != [Use::Resolve]));
+        let resources = held.map(|touches| &frame.resources[touches[0].resource]);
+        resources.filter(|r| r.format.is_depth() == depth).map(|r| r.format.bits() * r.samples).sum()
     };
+    let resolve = stage.uses.iter().position(|(_, how)| *how == Use::Resolve).map(|at| {
+        let before = stage.uses[..at].iter().filter(|(_, how)| OUTPUTS.contains(how));
+        let to = index_of(stage.uses[at].0);
+        Resolve { from: before.count().saturating_sub(1), to, state: state(to) }
+    });
     Subpass {
         name: stage.name,
         why: stage.why.clone(),
@@ -203,6 +213,7 @@ fn subpass(
         ordered: stage.uses.iter().any(|(_, how)| *how == Use::Modify),
         barriers: stage.uses.iter().any(|(_, how)| *how == Use::Rewrite),
         color_states: of(OUTPUTS).iter().map(|&i| state(i)).collect(),
+        resolve,
         input_names: names(INPUTS),
         input_states: of(INPUTS).iter().map(|&i| state(i)).collect(),
         inputs: of(INPUTS),
@@ -333,12 +344,13 @@ pub fn attachments(
         Attachment {
             name: resources.clone().map(|r| r.name).collect::<Vec<_>>().join("/"),
             format: frame.resources[place[0]].format,
+            samples: frame.resources[place[0]].samples,
             holds: resources.clone().map(|r| r.holds).collect(),
             clear: frame.resources[place[0]].clear,
             is_output,
             transient: !is_output && in_passes().all(|a| a.load != Load::Load && a.store != Store::Store),
             usage: Usage {
-                color: has(OUTPUTS),
+                color: has(OUTPUTS) || has(&[Use::Resolve]),
                 depth: has(&[Use::Depth, Use::DepthTest, Use::Stencil]),
                 input: has(INPUTS),
                 copy_source: if is_output { options.output_use == super::OutputUse::Copy } else { kept },

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Load, Needs, Options, Plan, Store, Verdict, verdicts};
+use super::{Attachment, Load, Needs, Options, Plan, Store, Verdict, verdicts};
 
 /// Where a figure comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -179,7 +179,8 @@ pub struct Report {
 impl Plan {
     /// Bytes a pixel that all passes load (first) and store (second) of one attachment.
     pub fn traffic(&self, attachment: usize) -> [u32; 2] {
-        let bytes = self.attachments[attachment].format.bytes();
+        let Attachment { format, samples, .. } = self.attachments[attachment];
+        let bytes = format.bytes() * samples;
         let uses =
             || self.passes.iter().flat_map(|p| &p.attachments).filter(move |a| a.attachment == attachment);
         let loads = uses().filter(|a| a.load == Load::Load).count() as u32;
@@ -187,7 +188,7 @@ impl Plan {
         [loads * bytes, stores * bytes]
     }
 
-    /// Bytes a pixel of all attachments of a pass, of the pass that has most: what the tile holds.
+    /// Bytes a pixel, all its samples, of all attachments of a pass, of the pass that has most: what the tile holds.
     pub fn bytes_on_tile(&self) -> u32 {
         self.most_of_a_pass(super::Format::bytes)
     }
@@ -199,7 +200,9 @@ impl Plan {
 
     fn most_of_a_pass(&self, figure: impl Fn(super::Format) -> u32) -> u32 {
         let of_pass = |pass: &super::Pass| {
-            pass.attachments.iter().map(|a| figure(self.attachments[a.attachment].format)).sum()
+            let held = pass.attachments.iter().enumerate().filter(|(index, _)| pass.is_on_tile(*index));
+            let held = held.map(|(_, a)| &self.attachments[a.attachment]);
+            held.map(|a| figure(a.format) * a.samples).sum()
         };
         self.passes.iter().map(of_pass).max().unwrap_or(0)
     }
@@ -218,7 +221,7 @@ impl Plan {
                 name: a.name.clone(),
                 format: a.format,
                 bits: a.format.bits(),
-                samples: 1,
+                samples: a.samples,
                 transient: a.transient,
                 loaded_bytes_per_pixel: Figure::planned(*loaded),
                 stored_bytes_per_pixel: Figure::planned(*stored),

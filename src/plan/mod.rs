@@ -29,6 +29,7 @@ mod pass;
 mod path;
 mod pipeline;
 mod print;
+mod samples;
 mod shadow;
 mod shadow_report;
 mod stage;
@@ -56,12 +57,12 @@ pub use lights::{ClusterBudget, VolumeShape};
 pub(crate) use names::named_enum;
 pub use names::{
     Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
-    ShadowFilter, ShadowFormat, Strategy, Tonemap,
+    ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub use options::{Options, ShadowOptions};
-pub use pass::{Attachment, Dependency, Load, Pass, PassAttachment, Store, Subpass, Usage};
+pub use pass::{Attachment, Dependency, Load, Pass, PassAttachment, Resolve, Store, Subpass, Usage};
 pub use pipeline::Pipeline;
 pub use shadow::{
     CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, bias_texels, spread_texels,
@@ -90,11 +91,18 @@ pub struct Limits {
     /// (VK_EXT_rasterization_order_attachment_access). Mesa's Turnip keeps such passes on the tile; on Adreno 6xx it draws that
     /// subpass in its single-primitive mode, which waits where primitives overlap.
     pub ordered_attachment_access: bool,
+    /// Samples a pixel that attachments may have: the sum of the counts.
+    pub sample_counts: u32,
+    /// Likewise of attachments of words.
+    pub word_sample_counts: u32,
+    /// Whether a fragment can be a sample (`sampleRateShading`).
+    pub sample_shading: bool,
 }
 
 impl Default for Limits {
     /// What every Vulkan 1.1 device allows (Vulkan specification, table "Required Limits"), and the format for depth and
-    /// stencil that nearly every one has: of two, each has one. The G-buffer stays on the chip, as on tilers.
+    /// stencil that nearly every one has: of two, each has one. As nearly every one, it shades samples, and has words of as many as
+    /// all else. The G-buffer stays on the chip, as on tilers.
     fn default() -> Self {
         Self {
             max_color_attachments: 4,
@@ -103,6 +111,9 @@ impl Default for Limits {
             depth_stencil: Format::D32FloatS8,
             gbuffer_on_chip: true,
             ordered_attachment_access: false,
+            sample_counts: 1 | 4,
+            word_sample_counts: 1 | 4,
+            sample_shading: true,
         }
     }
 }
@@ -162,16 +173,19 @@ impl Plan {
         let (decal_way, decals_why) = decals::resolve(&needs, &options, &gbuffer, limits)?.unzip();
         let frame =
             stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil, decal_way);
+        samples::check(&options, path, frame.folded)?;
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
         check_counts(&passes, &options, limits)?;
+        samples::check_limits(&attachments, &passes, &options, limits)?;
         let (shadow_map, shadows_told) = ShadowMap::new(&needs.shadows, &options, limits);
         let around = around::images(&needs, &options);
         let pipelines = pipeline::of(&frame, &needs, light_way);
         let folded = frame.folded;
         let mut notes = options.gbuffer_why.clone();
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
+        notes.extend(samples::notes(&options, &attachments));
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(decals_why.flatten());
@@ -235,6 +249,13 @@ impl Plan {
     /// The number of subpasses in all passes: of stages.
     pub fn stage_count(&self) -> usize {
         self.passes.iter().map(|p| p.subpasses.len()).sum()
+    }
+
+    /// Samples a pixel of what a stage draws to.
+    pub fn samples(&self, stage: usize) -> u32 {
+        let (pass, _, subpass) = self.subpass(stage);
+        let drawn = subpass.colors.iter().chain(&subpass.depth).next();
+        drawn.map_or(1, |&a| self.attachments[self.passes[pass].attachments[a].attachment].samples)
     }
 
     /// Pass, position in it and subpass of a stage.

@@ -250,6 +250,18 @@ named_enum! {
 }
 
 named_enum! {
+    /// How the samples of a pixel become one.
+    #[derive(Default)]
+    ResolveWay {
+        /// The tone curve, then the mean: edges are as smooth where one side is brighter than white.
+        #[default]
+        Tonemapped = "tonemapped",
+        /// The mean of light, then the tone curve.
+        Plain = "plain",
+    }
+}
+
+named_enum! {
     /// How many texels of the shadow map a pixel compares with.
     ShadowFilter {
         /// The four around a place, interpolated: one sample, whatever the light's spread.

@@ -54,7 +54,7 @@ pub(super) fn of(
         notes.extend(path::notes(options, path));
         if !options.recycle {
             notes.push("recycling is off: every resource has an attachment of its own".into());
-        } else if path == Path::Deferred && !attachments[0].name.contains('/') {
+        } else if path == Path::Deferred && options.samples == 1 && !attachments[0].name.contains('/') {
             let base = gbuffer.surface.iter().find(|t| t.tells == Tells::Albedo).map(|t| t.format);
             let Some(base) = base else { return notes };
             notes.push(if !options.output_is_input_attachment {

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{
     Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
-    ShadowFilter, ShadowFormat, Strategy, Tonemap,
+    ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 use crate::environment::TexelFormat;
 
@@ -95,6 +95,10 @@ pub struct Options {
     pub lightmap_format: TexelFormat,
     /// Why the G-buffer is what it is, where nobody named it ([`crate::measure::choose`]); the plan's notes begin with it.
     pub gbuffer_why: Vec<String>,
+    /// Samples a pixel: 1, 2, 4 or 8, as the device allows.
+    pub samples: u32,
+    /// How they become one.
+    pub resolve: ResolveWay,
     /// How decals that overlap are painted.
     pub decals: DecalWay,
 }
@@ -126,6 +130,8 @@ impl Default for Options {
             environment_format: TexelFormat::E5B9G9R9,
             lightmap_format: TexelFormat::E5B9G9R9,
             gbuffer_why: Vec::new(),
+            samples: 1,
+            resolve: ResolveWay::Tonemapped,
             decals: DecalWay::Auto,
         }
     }

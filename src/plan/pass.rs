@@ -9,8 +9,10 @@ use super::{Format, Scope, State};
 pub struct Attachment {
     /// The names of the resources that live in it, in order of lifetime, joined by `/`.
     pub name: String,
-    /// How a pixel is stored.
+    /// How a sample is stored.
     pub format: Format,
+    /// Samples a pixel.
+    pub samples: u32,
     /// What the channels hold, one entry a resource.
     pub holds: Vec<&'static str>,
     /// The value that clearing gives, if it is cleared.
@@ -94,6 +96,16 @@ pub struct Pass {
     pub dependencies: Vec<Dependency>,
 }
 
+impl Pass {
+    /// Whether an attachment lies in tile memory: all do but those that samples are only resolved to.
+    pub fn is_on_tile(&self, attachment: usize) -> bool {
+        let uses = |s: &Subpass| {
+            s.colors.contains(&attachment) || s.inputs.contains(&attachment) || s.depth == Some(attachment)
+        };
+        self.subpasses.iter().any(uses)
+    }
+}
+
 /// One subpass; all lists hold positions in [`Pass::attachments`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Subpass {
@@ -113,6 +125,8 @@ pub struct Subpass {
     pub barriers: bool,
     /// The state that each colour output is in.
     pub color_states: Vec<State>,
+    /// What becomes of a colour output's samples when the subpass ends.
+    pub resolve: Option<Resolve>,
     /// What input attachments are of, by index.
     pub input_names: Vec<&'static str>,
     /// By input attachment index.
@@ -133,6 +147,17 @@ pub struct Subpass {
     pub live_color_bits: u32,
     /// Depth bits a pixel that the tile must hold during this subpass.
     pub live_depth_bits: u32,
+}
+
+/// How the samples of a colour output become one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Resolve {
+    /// The colour output's location.
+    pub from: usize,
+    /// Position in [`Pass::attachments`] of what gets the mean.
+    pub to: usize,
+    /// The state that it is in.
+    pub state: State,
 }
 
 /// An execution and memory dependency.

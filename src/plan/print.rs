@@ -44,10 +44,11 @@ impl Plan {
             let stages = [first, last].map(|s| self.subpass(s).2.name);
             writeln!(
                 f,
-                "  {:<22} {:<11} {:>3} bits  {place:<12}  {}..{}",
+                "  {:<22} {:<11} {:>3} bits{}  {place:<12}  {}..{}",
                 a.name,
                 a.format,
                 a.format.bits(),
+                if a.samples > 1 { format!(" x{}", a.samples) } else { String::new() },
                 stages[0],
                 stages[1]
             )?;
@@ -139,6 +140,9 @@ impl Plan {
             };
             if !s.colors.is_empty() {
                 writeln!(f, "      writes  {}{blend}", list(&s.colors))?;
+            }
+            if let Some(resolve) = s.resolve {
+                writeln!(f, "      resolves {} to {}", name(s.colors[resolve.from]), name(resolve.to))?;
             }
             if let Some(depth) = s.depth {
                 let writes = match (s.depth_write, s.stencil) {

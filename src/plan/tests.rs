@@ -124,11 +124,12 @@ prop_compose! {
         stages in 1..=5_usize,
         resources in prop::collection::vec(
             (any::<[u8; 5]>(), any::<bool>(), any::<bool>(), any::<bool>(), 0..5_usize), 0..6),
+        multisampled in any::<bool>(),
     ) -> Frame {
         let mut uses: BTreeMap<usize, Vec<(usize, Use)>> = BTreeMap::new();
         uses.entry(stages - 1).or_default().push((Frame::OUTPUT, Use::Write));
         let resource = |format, clear: bool, kept| Resource {
-            name: "r", format, holds: "", clear: clear.then_some([0.0; 4]), kept, why: String::new(),
+            name: "r", format, holds: "", samples: 1, clear: clear.then_some([0.0; 4]), kept, why: String::new(),
         };
         let mut all = vec![resource(Format::Rgba8Srgb, false, true)];
         for (how, clear, kept, wide, start) in resources {
@@ -166,7 +167,9 @@ prop_compose! {
             }
         }
         let stage = |s| Stage { name: "s", uses: uses.remove(&s).unwrap_or_default(), why: String::new() };
-        Frame { resources: all, stages: (0..stages).map(stage).collect(), folded: false }
+        let mut frame = Frame { resources: all, stages: (0..stages).map(stage).collect(), folded: false };
+        super::stage::multisample(&mut frame, if multisampled { 4 } else { 1 });
+        frame
     }
 }
 

@@ -26,6 +26,8 @@ pub struct Settings {
     pub size: [u32; 2],
     /// The part of a larger picture that is computed; it has that size. `None`: the whole.
     pub window: Option<Window>,
+    /// How far from its centre each pixel is looked at, pixels to the right and down.
+    pub shift_px: DVec2,
     /// Light is multiplied by 2 to this power.
     pub exposure_ev: f64,
     /// From exposed light to the display.
@@ -51,6 +53,7 @@ impl Default for Settings {
         Self {
             size: [320, 180],
             window: None,
+            shift_px: DVec2::ZERO,
             exposure_ev: 0.0,
             tonemap: Tonemap::Neutral,
             gbuffer: None,
@@ -67,9 +70,11 @@ impl Default for Settings {
 impl Settings {
     /// What the camera sees.
     pub fn view(&self, camera: &Camera) -> View {
-        self.window
-            .as_ref()
-            .map_or_else(|| View::new(camera, self.size), |window| View::within(camera, window))
+        let view = match &self.window {
+            Some(window) => View::within(camera, window),
+            None => View::new(camera, self.size),
+        };
+        view.shifted(self.shift_px)
     }
 
     /// The multiplier 2^EV.

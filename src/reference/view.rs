@@ -81,6 +81,11 @@ impl View {
         Self { origin_px: DVec2::new(x, y), ..Self::new(camera, window.image) }
     }
 
+    /// The same view; places are counted from so far to the right and down, pixels.
+    pub fn shifted(self, shift_px: DVec2) -> Self {
+        Self { origin_px: self.origin_px + shift_px, ..self }
+    }
+
     /// The ray through a place in the image, in pixels: (0, 0) is the upper left corner, (0.5, 0.5) the first
     /// pixel's centre.
     pub fn ray(&self, place_px: DVec2) -> Ray {

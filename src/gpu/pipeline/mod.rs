@@ -114,7 +114,7 @@ impl Builder<'_> {
         let fragment = fragment.as_ref().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module));
         let stages: Vec<_> = std::iter::once(vertex).chain(fragment).collect();
         let input = VertexInput::new(pipeline, &shaders.attributes)?;
-        let state = FixedState::new(plan.subpass(index).2, pipeline);
+        let state = FixedState::new(plan, index, pipeline);
         self.create(&stages, &input, &state, place, &name)
     }
 
@@ -132,8 +132,8 @@ impl Builder<'_> {
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
             .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-        let multisample = vk::PipelineMultisampleStateCreateInfo::default()
-            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let multisample =
+            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(state.samples);
         let blend = vk::PipelineColorBlendStateCreateInfo::default()
             .flags(state.blend_flags)
             .attachments(&state.blend);

@@ -2,8 +2,8 @@
 
 use super::super::shader::{
     DecalConstants, GBufferConstants, GeometryConstants, KIND_COUNT, LightLoop, LightingConstants,
-    LightmapConstants, Module, OutputConstants, SkyConstants, Specialization, TextureSlot, shared,
-    target_number,
+    LightmapConstants, Module, OutputConstants, SampleConstants, SkyConstants, Specialization, TextureSlot,
+    shared, target_number,
 };
 use crate::environment::TexelFormat;
 use crate::plan::{DecalKind, DecalWay, Pipeline, Plan, SurfaceKind, VolumeShape};
@@ -49,7 +49,19 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
     let output = output_constants(plan, pipeline).specialization();
     let gbuffer = gbuffer_constants(plan).specialization();
     let brdf = Specialization::brdf(plan.options.brdf);
-    (vertex, fragment, lighting.and(output).and(gbuffer).and(brdf).and(own))
+    let samples = sample_constants(plan, pipeline).specialization();
+    let fragment =
+        fragment.map(|module| if plan.options.samples > 1 { module.multisampled() } else { module });
+    (vertex, fragment, samples.and(lighting).and(output).and(gbuffer).and(brdf).and(own))
+}
+
+fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
+    SampleConstants {
+        samples: plan.options.samples,
+        per_sample: matches!(pipeline, Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Decal(_)),
+        sample_depth: plan.has_gbuffer() && plan.gbuffer.reads_depth_attachment(),
+        resolve: plan.options.resolve,
+    }
 }
 
 fn gbuffer_constants(plan: &Plan) -> GBufferConstants {
@@ -100,6 +112,7 @@ fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
     OutputConstants {
         tonemap: plan.options.tonemap,
         dither: plan.options.dither,
+        float: plan.options.output.is_float(),
         background: plan.needs.background,
         fog: plan.needs.fog.filter(|_| applies_fog),
     }

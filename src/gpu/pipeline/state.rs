@@ -6,9 +6,9 @@ use ash::vk;
 
 use super::super::scene_data::vertex_streams;
 use super::super::shader::shared;
-use super::super::{StreamKind, texel_bytes};
+use super::super::{StreamKind, conv, texel_bytes};
 use crate::Result;
-use crate::plan::{Pipeline, Subpass, VolumeShape};
+use crate::plan::{Pipeline, Plan, Subpass, VolumeShape};
 
 /// Vertex attributes in the order of their streams.
 #[derive(Default)]
@@ -52,6 +52,7 @@ impl VertexInput {
 
 /// Fixed-function state of a subpass's pipelines.
 pub(super) struct FixedState {
+    pub(super) samples: vk::SampleCountFlags,
     pub(super) raster: vk::PipelineRasterizationStateCreateInfo<'static>,
     pub(super) depth: Option<vk::PipelineDepthStencilStateCreateInfo<'static>>,
     pub(super) blend: Vec<vk::PipelineColorBlendAttachmentState>,
@@ -59,7 +60,8 @@ pub(super) struct FixedState {
 }
 
 impl FixedState {
-    pub(super) fn new(subpass: &Subpass, pipeline: &Pipeline) -> Self {
+    pub(super) fn new(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
+        let subpass = plan.subpass(stage).2;
         let cull = match pipeline {
             Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) if !kind.double_sided => {
                 vk::CullModeFlags::BACK
@@ -114,7 +116,8 @@ impl FixedState {
             true => vk::PipelineColorBlendStateCreateFlags::RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXT,
             false => vk::PipelineColorBlendStateCreateFlags::empty(),
         };
-        Self { raster, depth, blend: vec![one; subpass.colors.len()], blend_flags }
+        let samples = conv::samples(plan.samples(stage));
+        Self { samples, raster, depth, blend: vec![one; subpass.colors.len()], blend_flags }
     }
 }
 

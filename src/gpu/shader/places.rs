@@ -34,6 +34,8 @@ impl AttachmentPlaces {
     /// [`Error::Unsupported`] if no module knows one of them.
     pub fn of(subpass: &Subpass) -> Result<Self> {
         let number = |kind: &str, name: &&str| {
+            // Several samples a pixel are drawn as one is.
+            let name = name.trim_end_matches("_samples");
             let wanted = format!("{kind}_{}", name.to_uppercase());
             numbers::find(&wanted).ok_or_else(|| {
                 Error::unsupported(format!("no shader has {wanted}"), "name the attachment in glsl/shared.h")

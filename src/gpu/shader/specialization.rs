@@ -3,7 +3,9 @@
 use glam::Vec3;
 
 use super::{KIND_COUNT, shared};
-use crate::plan::{Around, Brdf, Channels, DepthStore, Form, GBuffer, Gamma, Normals, ShadowFilter, Tonemap};
+use crate::plan::{
+    Around, Brdf, Channels, DepthStore, Form, GBuffer, Gamma, Normals, ResolveWay, ShadowFilter, Tonemap,
+};
 use crate::scene::Fog;
 
 /// Values for specialisation constants: `data[i]` is that of constant `ids[i]`.
@@ -302,6 +304,31 @@ impl GBufferConstants {
     }
 }
 
+/// Constants of modules that read several samples a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleConstants {
+    /// How many.
+    pub samples: u32,
+    /// A fragment is a sample; else a pixel.
+    pub per_sample: bool,
+    /// Depth is that of the depth attachment, of each sample; else that of the pixel's centre.
+    pub sample_depth: bool,
+    /// What the tone curve is applied to.
+    pub resolve: ResolveWay,
+}
+
+impl SampleConstants {
+    /// As ids and values.
+    pub fn specialization(&self) -> Specialization {
+        Specialization::from_pairs(&[
+            (const { shared("ID_SAMPLE_COUNT") }, self.samples),
+            (const { shared("ID_PER_SAMPLE") }, self.per_sample.into()),
+            (const { shared("ID_SAMPLE_DEPTH") }, self.sample_depth.into()),
+            (const { shared("ID_RESOLVE_PLAIN") }, (self.resolve == ResolveWay::Plain).into()),
+        ])
+    }
+}
+
 /// Constants of [`super::Module::Sky`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkyConstants {
@@ -329,6 +356,8 @@ pub struct OutputConstants {
     pub tonemap: Tonemap,
     /// Ordered noise of half an 8-bit sRGB step either way; it also clamps to [0, 1], so it is for such outputs only.
     pub dither: bool,
+    /// The output holds floats of any size.
+    pub float: bool,
     /// A colour where no surface is, as linear display light.
     pub background: Option<[f32; 3]>,
     /// Fog before surfaces.
@@ -350,6 +379,7 @@ impl OutputConstants {
         Specialization::from_pairs(&[
             (const { shared("ID_TONEMAP") }, tonemap),
             (const { shared("ID_DITHER") }, self.dither.into()),
+            (const { shared("ID_FLOAT_OUTPUT") }, self.float.into()),
             (const { shared("ID_BACKGROUND") }, self.background.is_some().into()),
             (const { shared("ID_BACKGROUND_RED") }, red),
             (const { shared("ID_BACKGROUND_GREEN") }, green),

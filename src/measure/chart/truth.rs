@@ -1,6 +1,6 @@
 //! The pictures that every G-buffer's are compared with.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::data::{Errors, Truth};
 use crate::gpu::{Device, Offscreen, PipelineCache, RendererConfig, View};
@@ -76,6 +76,7 @@ impl Stage<'_> {
         Settings {
             size: self.options.size,
             window: None,
+            shift_px: DVec2::ZERO,
             exposure_ev: f64::from(self.exposure_ev),
             tonemap: self.options.tonemap,
             gbuffer: None,

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
-use super::bench::{FLOOR, side_by_side, truth};
+use super::bench::{FLOOR, side_by_side};
 use super::parts::{add, bulb, camera, floor, plain, sphere, square, sun};
 use super::{Bound, Case, Figure, Findings, Lab, Sweep, difference, exact};
 use crate::Result;
@@ -139,14 +139,14 @@ fn geometry(lab: &Lab<'_>) -> Result<Findings> {
         let mut case = None;
         for path in [Path::Deferred, Path::Forward] {
             let options = Options { path, ..exact(size) };
-            let (picture, frame) =
-                (bench.picture(&scene, options.clone(), 0.0)?, truth(&scene, &options, 0.0));
-            let found = difference(&frame, &picture, FLOOR)?;
+            let (picture, truth) =
+                (bench.picture(&scene, options.clone(), 0.0)?, bench.truth(&scene, &options, 0.0));
+            let found = difference(&truth, &picture, FLOOR)?;
             if found.worst > pictured {
                 pictured = found.worst;
                 let caption =
                     format!("{method}: drawn, true, and the difference (white: {})", short(pictured));
-                let picture = side_by_side(&frame, &picture, FLOOR, pictured.min(1e9))?;
+                let picture = side_by_side(&truth.frame, &picture, FLOOR, pictured.min(1e9))?;
                 findings.figures = vec![Figure::picture("worst", caption, picture)];
             }
             let this = Case {
@@ -200,9 +200,9 @@ fn targets(lab: &Lab<'_>) -> Result<Findings> {
         let mut compared = 0;
         for &size in lab.pick(&few[..], &all[..]) {
             let options = Options { lights, ..exact(size) };
-            let (picture, frame) =
-                (bench.picture(&scene, options.clone(), 0.0)?, truth(&scene, &options, 0.0));
-            let found = difference(&frame, &picture, FLOOR)?;
+            let (picture, truth) =
+                (bench.picture(&scene, options.clone(), 0.0)?, bench.truth(&scene, &options, 0.0));
+            let found = difference(&truth, &picture, FLOOR)?;
             compared += found.compared;
             if worst.as_ref().is_none_or(|(error, _)| found.worst.is_nan() || found.worst > *error) {
                 worst = Some((found.worst, format!("{} x {}, {}", size[0], size[1], found.place())));
@@ -215,8 +215,11 @@ fn targets(lab: &Lab<'_>) -> Result<Findings> {
                     size[1],
                     short(pictured)
                 );
-                findings.figures =
-                    vec![Figure::picture("worst", caption, side_by_side(&frame, &picture, FLOOR, pictured)?)];
+                findings.figures = vec![Figure::picture(
+                    "worst",
+                    caption,
+                    side_by_side(&truth.frame, &picture, FLOOR, pictured)?,
+                )];
             }
         }
         let (error, at) = worst.unwrap_or_default();

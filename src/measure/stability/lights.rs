@@ -102,8 +102,8 @@ fn volumes(lab: &Lab<'_>) -> Result<Findings> {
                     let mut scene = scene.clone();
                     scene.cameras = vec![camera(eye, eye - way)];
                     offscreen.render(&View { camera: &scene.cameras[0], exposure_ev: 0.0 })?;
-                    let (picture, frame) = (offscreen.picture(), truth(&scene, &options, 0.0));
-                    let found = difference(&frame, &picture, FLOOR)?;
+                    let (picture, truth) = (offscreen.picture(), bench.truth(&scene, &options, 0.0));
+                    let found = difference(&truth, &picture, FLOOR)?;
                     if worst.as_ref().is_none_or(|(error, _)| found.worst > *error) {
                         worst =
                             Some((found.worst, format!("{distance} ranges along {way}, {}", found.place())));
@@ -114,7 +114,7 @@ fn volumes(lab: &Lab<'_>) -> Result<Findings> {
                             "{name}, {lights}, {distance} ranges away: drawn, true, and the difference (white: {})",
                             short(pictured)
                         );
-                        let picture = side_by_side(&frame, &picture, FLOOR, pictured.min(1e9))?;
+                        let picture = side_by_side(&truth.frame, &picture, FLOOR, pictured.min(1e9))?;
                         findings.figures = vec![Figure::picture("worst", caption, picture)];
                     }
                 }

@@ -30,7 +30,7 @@ use crate::picture::Picture;
 use crate::reference::texture::srgb_from_linear;
 
 use bench::exact;
-pub use bench::{Bench, Difference, difference};
+pub use bench::{Bench, Difference, Truth, difference};
 pub use report::Study;
 
 /// One quantity that is varied until methods fail.

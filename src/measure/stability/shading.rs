@@ -1,8 +1,10 @@
 //! Where shading formulas have poles: smooth surfaces, grazing light, lights that touch what they light.
 
+use std::f64::consts::FRAC_1_PI;
+
 use glam::{DVec3, Mat4, Vec3};
 
-use super::bench::{FLOOR, exact, light_of, side_by_side, truth};
+use super::bench::{FLOOR, exact, light_of, side_by_side};
 use super::normals::encodings;
 use super::parts::{add, bulb, camera, floor, plain, sphere, square, sun};
 use super::{Answer, Bound, Case, Figure, Findings, Lab, Sweep, Worst, difference};
@@ -12,6 +14,7 @@ use crate::measure::plot::{Axis, Plot};
 use crate::plan::{Options, Path};
 use crate::reference::Attributes;
 use crate::reference::brdf::{MIN_ROUGHNESS, alpha_from_roughness, brdf};
+use crate::reference::punctual::MIN_DISTANCE_M;
 use crate::scene::{Camera, Projection, Scene};
 
 pub const ROUGHNESS: Sweep = Sweep {
@@ -86,15 +89,15 @@ fn roughness(lab: &Lab<'_>) -> Result<Findings> {
         let mut curve = Vec::new();
         for &roughness in roughnesses {
             let scene = balls(roughness);
-            let (picture, frame) =
-                (bench.picture(&scene, options.clone(), 0.0)?, truth(&scene, &options, 0.0));
-            let found = difference(&frame, &picture, FLOOR)?;
+            let (picture, truth) =
+                (bench.picture(&scene, options.clone(), 0.0)?, bench.truth(&scene, &options, 0.0));
+            let found = difference(&truth, &picture, FLOOR)?;
             curve.push([f64::from(roughness).max(1e-4), found.worst]);
-            worst.add(found.worst, || (roughness, found, frame, picture));
+            worst.add(found.worst, || (roughness, found, truth, picture));
         }
         curve.reverse();
         curves.push((path.to_string(), curve));
-        let Some((roughness, found, frame, picture)) = worst.at else { continue };
+        let Some((roughness, found, truth, picture)) = worst.at else { continue };
         findings.cases.push(Case {
             method: format!("roughness floor {MIN_ROUGHNESS}, {path}"),
             worst: worst.error,
@@ -108,7 +111,7 @@ fn roughness(lab: &Lab<'_>) -> Result<Findings> {
             findings.figures.push(Figure::picture(
                 "worst",
                 format!("Drawn, true, and the difference (white: {}) at roughness {roughness}.", short(full)),
-                side_by_side(&frame, &picture, FLOOR, full)?,
+                side_by_side(&truth.frame, &picture, FLOOR, full)?,
             ));
         }
     }
@@ -226,14 +229,17 @@ fn grazing(lab: &Lab<'_>) -> Result<Findings> {
             for &light in degrees {
                 let scene = plane(view, light);
                 let picture = lab.bench()?.picture(&scene, options.clone(), 0.0)?;
-                let frame = truth(&scene, &options, 0.0);
+                let truth = lab.bench()?.truth(&scene, &options, 0.0);
                 let arithmetic = ARITHMETIC.most;
                 let (error, allowed) = if turned == 0.0 {
-                    (difference(&frame, &picture, FLOOR)?.worst, arithmetic)
+                    (difference(&truth, &picture, FLOOR)?.worst, arithmetic)
                 } else {
                     let facing = reflected(0.0, 0.0, DVec3::Z);
                     let light_of_pixel = light_of(&picture)?[0].x;
-                    ((light_of_pixel - frame.pixels[0].display.x).abs() / facing, grazed(view, light, turned))
+                    (
+                        (light_of_pixel - truth.frame.pixels[0].display.x).abs() / facing,
+                        grazed(view, light, turned),
+                    )
                 };
                 at_view = f64::max(at_view, error);
                 worst.add(error / allowed, || (view, light, error, allowed));
@@ -333,17 +339,17 @@ fn distance(lab: &Lab<'_>) -> Result<Findings> {
         let mut curve = Vec::new();
         for &height in heights {
             let scene = lamp(height);
-            let (picture, frame) =
-                (bench.picture(&scene, options.clone(), 0.0)?, truth(&scene, &options, 0.0));
-            let brightest = frame.pixels.iter().map(|p| p.display.max_element()).fold(0.0, f64::max);
+            let (picture, truth) =
+                (bench.picture(&scene, options.clone(), 0.0)?, bench.truth(&scene, &options, 0.0));
+            let brightest = truth.frame.pixels.iter().map(|p| p.display.max_element()).fold(0.0, f64::max);
             // Of the brightest light of the spot: beside it errors are of little light.
             let floor = (0.01 * brightest).max(FLOOR);
-            let found = difference(&frame, &picture, floor)?;
+            let found = difference(&truth, &picture, floor)?;
             curve.push([f64::from(height), found.worst]);
-            worst.add(found.worst / allowed(height), || (height, found, frame, picture, floor));
+            worst.add(found.worst / allowed(height), || (height, found, truth, picture, floor));
         }
         curves.push((path.to_string(), curve));
-        let Some((height, found, frame, picture, floor)) = worst.at else { continue };
+        let Some((height, found, truth, picture, floor)) = worst.at else { continue };
         findings.cases.push(Case {
             method: format!("exact, {path}"),
             worst: found.worst,
@@ -367,7 +373,7 @@ fn distance(lab: &Lab<'_>) -> Result<Findings> {
                     "Drawn, true, and the difference (white: {}) of a lamp {height} m above the floor.",
                     short(full)
                 ),
-                side_by_side(&frame, &picture, floor, full)?,
+                side_by_side(&truth.frame, &picture, floor, full)?,
             ));
         }
     }
@@ -390,12 +396,12 @@ fn distance(lab: &Lab<'_>) -> Result<Findings> {
 /// A lamp of 1 cd in the plane of the floor, which it does not light: n·l is 0, and what is seen is noise.
 fn on_the_surface(lab: &Lab<'_>, size: [u32; 2]) -> Result<Case> {
     /// The light that the lamp would give 1 cm above a white floor, cd/m².
-    const AT_1_CM: f64 = 1e4 * std::f64::consts::FRAC_1_PI;
+    const AT_1_CM: f64 = 1e4 * FRAC_1_PI;
     let mut scene = lamp(0.0);
     scene.lights = vec![bulb(1.0, Vec3::ZERO, None)];
     let options = exact(size);
     let picture = lab.bench()?.picture(&scene, options.clone(), 0.0)?;
-    let found = difference(&truth(&scene, &options, 0.0), &picture, AT_1_CM)?;
+    let found = difference(&lab.bench()?.truth(&scene, &options, 0.0), &picture, AT_1_CM)?;
     Ok(Case {
         method: "lamp on the surface".into(),
         worst: found.worst,
@@ -404,18 +410,19 @@ fn on_the_surface(lab: &Lab<'_>, size: [u32; 2]) -> Result<Case> {
             name: "IN_THE_PLANE",
             unit: "of light at 1 cm",
             good: 1e-3,
-            most: 1.0,
-            reason: "n·l is a position's error over the distance, and light goes with its square: at the 0.1 mm to which distances \
-                     are held that is the light 1 cm above the floor",
+            most: POSITION_M / MIN_DISTANCE_M.powi(3) / AT_1_CM * FRAC_1_PI,
+            reason: "n·l is a position's error over the distance, and light goes with its square: positions are right to 1e-7 m, and \
+                     distances are held to 0.1 mm",
         },
         answer: None,
         remedy: "lights belong a centimetre off a surface: the spot of noise is some pixels wide".into(),
     })
 }
 
+/// The error of a position 0.15 m from the camera: two steps of f32 in depth, ray and matrix each.
+const POSITION_M: f64 = 1e-7;
+
 /// The error that positions of f32 explain for a light at this height.
 fn allowed(height_m: f32) -> f64 {
-    /// Of a position 0.15 m from the camera: two steps of f32 in depth, ray and matrix each.
-    const POSITION_M: f64 = 1e-7;
-    ARITHMETIC.good + 2.0 * POSITION_M / f64::from(height_m).max(1e-4) * 4.0
+    ARITHMETIC.good + 2.0 * POSITION_M / f64::from(height_m).max(MIN_DISTANCE_M) * 4.0
 }

@@ -13,7 +13,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
     let in_gbuffer = matches!(gbuffer.light, LightPlace::Read(_));
     let light_read = in_gbuffer && (one_by_one || !needs.prelit.is_empty());
     let folded = match gbuffer.light {
-        LightPlace::Added { .. } => needs.prelit.is_empty() && options.fold && !one_by_one,
+        LightPlace::Added { .. } => needs.prelit.is_empty() && asked.may_fold() && !one_by_one,
         LightPlace::Read(_) => !one_by_one,
         LightPlace::Nowhere => true,
     };

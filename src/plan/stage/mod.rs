@@ -4,11 +4,14 @@ mod decals;
 mod deferred;
 mod depth;
 mod forward;
+mod samples;
+
+pub(super) use samples::add as multisample;
 
 use super::layout::{GBuffer, LightTarget, Target};
-use super::{DecalWay, Format, LightWay, Needs, Options, Path};
+use super::{DecalWay, Format, LightWay, Needs, Options, Path, ResolveWay};
 
-/// Something that stages write and read, one value a pixel.
+/// Something that stages write and read, one value a sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resource {
     /// Name in plans and reports.
@@ -17,6 +20,8 @@ pub struct Resource {
     pub format: Format,
     /// What each channel holds.
     pub holds: &'static str,
+    /// Samples a pixel.
+    pub samples: u32,
     /// What pixels that nothing covers must hold; `None` where nothing reads them.
     pub clear: Option<[f32; 4]>,
     /// Outlives the frame: the final image, or a G-buffer that is kept to be read back.
@@ -43,6 +48,8 @@ pub enum Use {
     /// Input attachment and colour output at once: each fragment reads what the one before it has left, in the order of
     /// rasterisation.
     Modify,
+    /// The mean of the samples of the colour output before it in the stage's uses, made when the stage ends.
+    Resolve,
     /// The same, but what overlaps is drawn with a barrier in between.
     Rewrite,
 }
@@ -104,6 +111,7 @@ impl Frame {
                 name: "output",
                 format: options.output.into(),
                 holds: "the final image",
+                samples: 1,
                 clear: None,
                 kept: true,
                 why: "the picture".into(),
@@ -129,6 +137,7 @@ impl Frame {
                 forward::add(&mut frame, &asked, &depth, "geometry", why);
             }
         }
+        multisample(&mut frame, options.samples);
         frame
     }
 
@@ -137,6 +146,7 @@ impl Frame {
             name: target.name,
             format: target.format,
             holds: target.holds,
+            samples: 1,
             clear: target.clear,
             kept,
             why,
@@ -186,6 +196,12 @@ impl Asked<'_> {
             "{directional_lights} directional, {point_lights} point and {spot_lights} spot lights{}",
             more.collect::<String>()
         )
+    }
+
+    /// Whether the tone curve may be applied where light is made; light that is to be resolved is all made before.
+    fn may_fold(&self) -> bool {
+        let resolves_light = self.options.samples > 1 && self.options.resolve == ResolveWay::Plain;
+        self.options.fold && !resolves_light
     }
 
     fn fogged(&self) -> &'static str {

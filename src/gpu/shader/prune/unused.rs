@@ -6,6 +6,9 @@ use super::words::{Function, Instruction, Module, op};
 
 const DECORATION_LOCATION: u32 = 30;
 
+const DECORATION_BUILT_IN: u32 = 11;
+const BUILT_IN_SAMPLE_ID: u32 = 18;
+
 const STORAGE_INPUT: u32 = 1;
 const STORAGE_OUTPUT: u32 = 3;
 const STORAGE_PRIVATE: u32 = 6;
@@ -15,6 +18,7 @@ const DIM_CUBE: u32 = 3;
 const DIM_SUBPASS_DATA: u32 = 6;
 
 const CAPABILITY_IMAGE_CUBE_ARRAY: u32 = 34;
+const CAPABILITY_SAMPLE_RATE_SHADING: u32 = 35;
 const CAPABILITY_INPUT_ATTACHMENT: u32 = 40;
 const CAPABILITY_SAMPLED_CUBE_ARRAY: u32 = 45;
 const CAPABILITY_IMAGE_QUERY: u32 = 50;
@@ -76,7 +80,12 @@ fn remove_capabilities(module: &mut Module<'_>) {
     let queries = blocks
         .flat_map(|block| &block.body)
         .any(|i| matches!(i.op, op::IMAGE_QUERY_SIZE_LOD..=op::IMAGE_QUERY_SAMPLES));
+    let samples = module
+        .global
+        .iter()
+        .any(|i| i.op == op::DECORATE && i.operands[1..] == [DECORATION_BUILT_IN, BUILT_IN_SAMPLE_ID]);
     module.global.retain(|i| match (i.op, &i.operands[..]) {
+        (op::CAPABILITY, [CAPABILITY_SAMPLE_RATE_SHADING]) => samples,
         (op::CAPABILITY, [CAPABILITY_INPUT_ATTACHMENT]) => inputs,
         (op::CAPABILITY, [CAPABILITY_IMAGE_CUBE_ARRAY | CAPABILITY_SAMPLED_CUBE_ARRAY]) => cube_arrays,
         (op::CAPABILITY, [CAPABILITY_IMAGE_QUERY]) => queries,

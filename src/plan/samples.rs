@@ -1,0 +1,109 @@
+//! Several samples a pixel: which plans can have them.
+
+use super::{Format, Limits, Options, Pass, Path, Plan, ResolveWay};
+use crate::Error;
+
+/// # Errors
+/// [`Error::Unsupported`] for a number of samples that no device has, or that goes with none of the other options.
+pub(super) fn check(options: &Options, path: Path, folded: bool) -> crate::Result<()> {
+    let samples = options.samples;
+    if ![1, 2, 4, 8].contains(&samples) {
+        return Err(Error::unsupported(
+            format!("a pixel cannot have {samples} samples"),
+            "choose 1, 2, 4 or 8 (--samples)",
+        ));
+    }
+    if samples == 1 {
+        return Ok(());
+    }
+    if options.keep_gbuffer {
+        return Err(Error::unsupported(
+            format!(
+                "a G-buffer of {samples} samples a pixel cannot be kept: images of several samples cannot be copied out"
+            ),
+            "leave `keep_gbuffer` out, or use 1 sample",
+        ));
+    }
+    if options.resolve == ResolveWay::Plain && folded {
+        let problem = match path {
+            Path::Deferred => format!("layout {} has no light target", options.layout),
+            _ => format!("the path {path} applies the tone curve to each sample as it is drawn"),
+        };
+        return Err(Error::unsupported(
+            format!("{problem}, so that light cannot be resolved before the tone curve (--resolve plain)"),
+            "use --resolve tonemapped, or the path deferred with --layout ontile128",
+        ));
+    }
+    Ok(())
+}
+
+impl Plan {
+    /// Whether light is added by blending to several samples of floats, which Mali does at less than its full rate (best practices
+    /// of the validation layer, `multisampled-blending`).
+    pub fn blends_samples_of_floats(&self) -> bool {
+        let is_wide =
+            |format| matches!(format, Format::Rgba16Float | Format::Rgba32Float | Format::B10g11r11Float);
+        self.attachments.iter().any(|a| a.samples > 1 && a.usage.blend && is_wide(a.format))
+    }
+}
+
+/// What a plan with several samples a pixel tells.
+pub(super) fn notes(options: &Options, attachments: &[super::Attachment]) -> Vec<String> {
+    let samples = options.samples;
+    if samples == 1 {
+        return Vec::new();
+    }
+    let place = attachments.iter().find(|a| a.name.contains("output_samples")).map(|a| a.name.as_str());
+    let place = place
+        .filter(|name| name.contains('/'))
+        .map_or(String::new(), |name| format!(", in one place ({name})"));
+    vec![format!(
+        "{samples} samples a pixel of all that is drawn; the output has 1, resolved on the tile{place}: {}",
+        match options.resolve {
+            ResolveWay::Tonemapped => "the tone curve of each sample, then the mean",
+            ResolveWay::Plain => "the mean of light, then the tone curve",
+        }
+    )]
+}
+
+/// # Errors
+/// [`Error::Unsupported`] if the device's attachments cannot have so many samples, or its fragments not be of samples.
+pub(super) fn check_limits(
+    attachments: &[super::Attachment],
+    passes: &[Pass],
+    options: &Options,
+    limits: &Limits,
+) -> crate::Result<()> {
+    let samples = options.samples;
+    if samples == 1 {
+        return Ok(());
+    }
+    for attachment in attachments.iter().filter(|a| a.samples > 1) {
+        let counts =
+            if attachment.format.is_uint() { limits.word_sample_counts } else { limits.sample_counts };
+        if counts & samples == 0 {
+            let known: Vec<_> =
+                [1, 2, 4, 8].iter().filter(|n| counts & **n != 0).map(u32::to_string).collect();
+            let words = if attachment.format.is_uint() {
+                ", or a layout without words (--layout ontile128)"
+            } else {
+                ""
+            };
+            return Err(Error::unsupported(
+                format!(
+                    "attachment {} ({}) cannot have {samples} samples a pixel on this device",
+                    attachment.name, attachment.format
+                ),
+                format!("use --samples {}{words}", known.join(" or ")),
+            ));
+        }
+    }
+    let reads = passes.iter().flat_map(|pass| &pass.subpasses).any(|s| s.name == "lighting");
+    if reads && !limits.sample_shading {
+        return Err(Error::unsupported(
+            "lighting each sample of a G-buffer takes sampleRateShading, which this device has not",
+            "use --samples 1, or --path forward",
+        ));
+    }
+    Ok(())
+}
