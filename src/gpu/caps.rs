@@ -73,7 +73,7 @@ pub struct Caps {
     pub occlusion_precise: bool,
     /// VK_KHR_dynamic_rendering_local_read.
     pub local_read: bool,
-    /// VK_EXT_rasterization_order_attachment_access (or Arm's original) for colour.
+    /// VK_EXT_rasterization_order_attachment_access (or Arm's original) for colour; of a [`Device`](super::Device), if it is enabled.
     pub rasterization_order_attachment_access: bool,
     /// VK_EXT_subpass_merge_feedback.
     pub subpass_merge_feedback: bool,

@@ -96,7 +96,9 @@ impl Device {
     pub(super) unsafe fn new(host: HostDevice, owned: Option<OwnedDevice>) -> Result<Self> {
         let HostDevice { instance, physical_device, device, queue_family, queue, callbacks, .. } = host;
         // SAFETY: the caller's promise.
-        let caps = unsafe { Caps::query(&instance, physical_device, queue_family) };
+        let mut caps = unsafe { Caps::query(&instance, physical_device, queue_family) };
+        // What was not enabled is not there, so that plans do without.
+        caps.rasterization_order_attachment_access &= host.features.ordered_attachment_access;
         // SAFETY: the caller's promise.
         let memory = unsafe { instance.get_physical_device_memory_properties(physical_device) };
         let allocator = match host.allocator {

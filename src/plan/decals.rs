@@ -216,6 +216,15 @@ pub(super) fn resolve(
     Ok(Some(way))
 }
 
+/// What decals do not do, where a scene could expect it.
+pub(super) fn note(needs: &Needs) -> Option<String> {
+    let prelit = needs.prelit.first().filter(|_| !needs.decals.is_empty())?;
+    let more = if needs.prelit.len() > 1 { " and more" } else { "" };
+    Some(format!(
+        "decals change what lights reflect; light that exists before lighting stays that of the surface below: {prelit}{more}"
+    ))
+}
+
 /// Why fixed-function blending cannot paint a scene's decals on this G-buffer, if it cannot.
 fn unblended(needs: &Needs, gbuffer: &GBuffer) -> Option<String> {
     let other = needs.decals.iter().find(|need| !need.kind.channels.is_color_alone());

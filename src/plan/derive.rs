@@ -262,8 +262,9 @@ impl Dependencies {
             let is_last = index + 1 == touches.len();
             let written = touches[..index].iter().rposition(Touch::writes);
             let reads = &touches[written.map_or(0, |w| w + 1)..index];
-            // A write that follows reads is ordered after the earlier write by them.
-            let written = written.filter(|_| !b.writes() || reads.is_empty()).map(|w| &touches[w]);
+            // A write that follows reads is ordered after the earlier write by them. Of depth, whose layout may change with what is
+            // tested and read, validation wants to be told.
+            let written = written.filter(|_| depth || !b.writes() || reads.is_empty()).map(|w| &touches[w]);
             let reads = reads.iter().filter(|_| b.writes() || is_last);
             for a in written.into_iter().chain(reads) {
                 let mut after = Access::of(&b.uses);

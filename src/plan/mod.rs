@@ -189,6 +189,7 @@ impl Plan {
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(decals_why.flatten());
+        notes.extend(decals::note(&needs));
         notes.extend(clusters.map(|c| c.to_string()));
         notes.extend(shadows_told.notes);
         let warnings =

@@ -17,6 +17,9 @@ use super::{Material, TextureRef};
 /// (Barré-Brisebois and Hill, "Blending in Detail", 2012: reoriented normal mapping), mixed with that normal by opacity, and made
 /// unit length. Occlusion and emission of the material are not used, nor its alpha mode and its sides.
 ///
+/// Light that a surface has before lights are added (emission, ambient light, environments, lightmaps) is made with the surface below
+/// and stays that.
+///
 /// Where decals overlap, each is painted over what those before have left: in order of priority, then of the scene's list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decal {

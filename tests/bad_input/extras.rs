@@ -224,7 +224,7 @@ fn decals() {
         let place = format!("nodes[0].extras.ontile.decal{element}");
         expect_input_error(&name, file.load(), &place, problem);
     }
-    for scale in [json!([0, 0, 0]), json!([1, 0, 1]), json!([1e-30, 1, 1])] {
+    for scale in [json!([0, 0, 0]), json!([1, 0, 1]), json!([1e-40, 1, 1])] {
         let mut flat = lit("point");
         let node = flat.root_node(json!({"scale": scale}));
         set(&mut flat, &format!("/nodes/{node}/extras"), json!({"ontile": {"decal": decal(|_| ())}}));

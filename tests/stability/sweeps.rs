@@ -90,4 +90,5 @@ sweeps! {
     shadow_where_there_is_none "shadow-acne",
     shadows_that_do_not_touch "shadow-gap",
     shadows_that_swim "shadow-shimmer",
+    decals_where_boxes_end "decals",
 }

@@ -212,7 +212,8 @@ fn on_walls(glb: &mut Glb) {
     // Damp that rises from the floor: darker, and smoother.
     let damp = masked_picture(128, |uv| {
         let wave = fractal(Vec2::new(uv.x, 0.3), IVec2::splat(6), 3, 71);
-        (srgb(0x4a463c), 0.8 * smoothstep(0.42, 0.75, uv.y + 0.2 * wave) * inside(Vec2::new(uv.x, 0.5)))
+        let rise = smoothstep(0.42, 0.75, uv.y + 0.2 * wave) * smoothstep(0.985, 0.95, uv.y);
+        (srgb(0x4a463c), 0.8 * rise * inside(Vec2::new(uv.x, 0.5)))
     });
     let damp = glb.texture("damp", &damp);
     let damp = glb.material(&Material {
@@ -251,7 +252,7 @@ fn on_floor(glb: &mut Glb) {
         ..Material::default()
     });
     let gloss = json!({"channels": {"roughness": 1.0}, "priority": 2});
-    paint(glb, "puddle", water, down(0.4, 0.42, 0.1), Vec3::new(1.7, 1.5, 0.15), gloss);
+    paint(glb, "puddle", water, down(0.5, 0.35, 0.1), Vec3::new(1.7, 1.5, 0.15), gloss);
     let oil = json!({"channels": {"base_color": 0.8, "roughness": 0.9}, "priority": 1});
     paint(glb, "oil", water, down(-0.75, -0.45, 0.4), Vec3::new(0.8, 0.75, 0.15), oil);
 }
@@ -300,9 +301,10 @@ fn lights(glb: &mut Glb) {
     let kind = LightKind::Point { intensity_cd: 2.2, range_m: 5.0 };
     let window = Light { name: "window", color: Vec3::new(0.55, 0.72, 1.0), kind };
     glb.light(window, Pose::at(1.7, 1.5, -0.9));
-    let kind = LightKind::Point { intensity_cd: 1.6, range_m: 4.0 };
-    let tube = Light { name: "tube", color: Vec3::new(0.85, 1.0, 0.9), kind };
-    glb.light(tube, Pose::at(-0.75, 2.05, -1.1));
+    // The puddle mirrors it.
+    let kind = LightKind::Spot { intensity_cd: 5.0, range_m: 5.0, inner_rad: 0.35, outer_rad: 0.65 };
+    let lantern = Light { name: "lantern", color: Vec3::new(0.8, 1.0, 0.9), kind };
+    glb.light(lantern, Pose::looking(Vec3::new(-0.2, 1.15, -1.3), Vec3::new(0.6, 0.0, 0.35)));
     // From all around, as light that decals are lit by too.
     let kind = LightKind::Directional { illuminance_lx: 0.9 };
     let sky = glb.light(

@@ -10,6 +10,7 @@
 
 mod bench;
 mod colour;
+mod decals;
 mod depth;
 mod geometry;
 mod inputs;
@@ -76,6 +77,7 @@ impl Sweep {
         shadows::ACNE,
         shadows::PANNING,
         shadows::SHIMMER,
+        decals::DECALS,
     ];
 
     /// The sweep of this name.
