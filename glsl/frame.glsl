@@ -13,4 +13,5 @@ layout(set = SET_FRAME, binding = BINDING_FRAME, std140) uniform Frame {
     vec4 ambient_nt;
     uvec4 light_counts;         // directional, point, spot, box
     vec4 hemispheres[3];        // irradiance of hemisphere lights: of channel c, lux, dot(hemispheres[c], (normal, 1))
+    vec4 bloom;                 // share of light that is scattered; exposure now / when it was spread; unused
 } frame;

@@ -10,6 +10,7 @@
 #include "brdf.glsl"
 #include "light/direct.glsl"
 #include "fog.glsl"
+#define ALL_PIXELS
 #include "tonemap.glsl"
 
 layout(constant_id = ID_FOLD) const bool FOLD = false;
@@ -65,5 +66,5 @@ void main() {
         exposed_light = fogged(exposed_light, surface.position_world);
     }
     // There is no one else to write the background.
-    target_output = BACKGROUND && !is_surface ? background_color() : output_color(exposed_light);
+    target_output = whole_color(exposed_light, !is_surface);
 }

@@ -24,6 +24,8 @@
 #define BINDING_PROBES 14
 #define BINDING_VOLUMES 4
 #define BINDING_DECALS 20
+// Beside input attachments: scattered light that the tone curve mixes in.
+#define BINDING_BLOOM 24
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 
@@ -74,6 +76,7 @@
 #define TARGET_LIGHT 11
 #define TARGET_SPECULAR_LIGHT 12
 #define TARGET_OUTPUT 13
+#define TARGET_BLOOM_LIGHT 14
 
 // Specialisation constant ids.
 #define ID_TEXTURE_COUNT 0
@@ -138,12 +141,16 @@
 #define ID_SAMPLE_DEPTH 69
 #define ID_RESOLVE_PLAIN 70
 #define ID_FLOAT_OUTPUT 71
-#define ID_DECAL_BASE_COLOR 80
-#define ID_DECAL_NORMAL 81
-#define ID_DECAL_ROUGHNESS 82
-#define ID_DECAL_METALLIC 83
-#define ID_DECAL_TARGETS 84
-#define ID_DECAL_BLENDED 85
+#define ID_BLOOM 80
+#define ID_BLOOM_STORED 81
+#define ID_BLOOM_STEP 82
+#define ID_BLOOM_DISPLAYED 83
+#define ID_DECAL_BASE_COLOR 90
+#define ID_DECAL_NORMAL 91
+#define ID_DECAL_ROUGHNESS 92
+#define ID_DECAL_METALLIC 93
+#define ID_DECAL_TARGETS 94
+#define ID_DECAL_BLENDED 95
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0
@@ -189,6 +196,16 @@
 #define SHADOW_FILTER_GRID3 1
 #define SHADOW_FILTER_GRID5 2
 #define SHADOW_FILTER_JITTERED 3
+
+// Passes after the frame's own: the only set of those that spread light, and where the picture is sampled.
+#define SET_POST 0
+#define BINDING_POST_COLOR 25
+#define BINDING_POST_OWN 26
+
+// Values of the constant BLOOM_STEP.
+#define BLOOM_STEP_FIRST 0
+#define BLOOM_STEP_DOWN 1
+#define BLOOM_STEP_UP 2
 
 // Values of the constant TONEMAP.
 #define TONEMAP_NEUTRAL 0

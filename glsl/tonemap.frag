@@ -7,6 +7,7 @@
 #include "pixel.glsl"
 #include "gbuffer.glsl"
 #include "fog.glsl"
+#define ALL_PIXELS
 #include "tonemap.glsl"
 
 layout(constant_id = ID_LIGHT_ALPHA) const bool LIGHT_ALPHA = true; // else depth tells surfaces from the background
@@ -57,11 +58,11 @@ void main() {
         input_sample = i;
         vec4 light = summed_light();
         bool is_background = is_background(light);
-        if (BACKGROUND && is_background) {
+        if (BACKGROUND && is_background && !BLOOM) {
             sum += background_color().rgb;
             continue;
         }
-        vec3 exposed_light = exposed_light_of(light, is_background);
+        vec3 exposed_light = with_bloom(whole_light(exposed_light_of(light, is_background), is_background));
         surfaces += 1;
         if (RESOLVE_PLAIN) {
             exposed_sum += exposed_light;
@@ -87,7 +88,7 @@ void main() {
     vec4 light = summed_light();
     bool is_background = is_background(light);
     vec3 exposed_light = exposed_light_of(light, is_background);
-    target_output = BACKGROUND && is_background ? background_color() : output_color(exposed_light);
+    target_output = whole_color(exposed_light, is_background);
 }
 
 #endif

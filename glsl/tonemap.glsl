@@ -102,3 +102,21 @@ vec4 output_color(vec3 exposed_light) {
 vec4 background_color() {
     return vec4(BACKGROUND_RED, BACKGROUND_GREEN, BACKGROUND_BLUE, 1.0);
 }
+
+#ifdef ALL_PIXELS
+#include "tonemap_inverse.glsl"
+#include "bloom.glsl"
+
+// Light is scattered over the background too: it stands for the light that looks like it.
+vec3 whole_light(vec3 exposed_light, bool is_background) {
+    return BACKGROUND && is_background ? tonemap_inverse(background_color().rgb) : exposed_light;
+}
+
+// The pixel of the final image, whatever is there.
+vec4 whole_color(vec3 exposed_light, bool is_background) {
+    if (BACKGROUND && is_background && !BLOOM) {
+        return background_color();
+    }
+    return output_color(with_bloom(whole_light(exposed_light, is_background)));
+}
+#endif

@@ -5,8 +5,8 @@ mod common;
 use common::expected::Expected;
 use common::{environments, scenes};
 use ontile::plan::{
-    Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Needs, Normals, Options,
-    OutputFormat, Path, Plan, Strategy,
+    BloomWay, Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Needs, Normals,
+    Options, OutputFormat, Path, Plan, Strategy,
 };
 use ontile::scene::Scene;
 
@@ -20,6 +20,10 @@ fn separate() -> Options {
 
 fn by(lights: LightWay) -> Options {
     Options { lights, ..Options::default() }
+}
+
+fn bloom(bloom: BloomWay) -> Options {
+    Options { bloom, ..Options::default() }
 }
 
 fn forward() -> Options {
@@ -82,6 +86,8 @@ fn printed() -> Vec<(String, String)> {
         ),
         ("emissive_volumes_packed128".into(), in_words(&scenes::emissive(), Strategy::Subpasses)),
         ("emissive_volumes_packed128_separate".into(), in_words(&scenes::emissive(), Strategy::Separate)),
+        ("emissive_bloom_previous".into(), plan(&scenes::emissive(), bloom(BloomWay::Previous))),
+        ("lit_bloom_store".into(), plan(&lights, bloom(BloomWay::Store))),
         ("no_lights_clusters".into(), plan(&scenes::no_lights(), by(LightWay::Clusters))),
         ("unlit".into(), plan(&scenes::wholly_unlit(), default())),
         ("unlit_triangle".into(), plan(&scenes::one_unlit_triangle(), default())),

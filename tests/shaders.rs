@@ -18,7 +18,7 @@ use ontile::gpu::shared::{
     ClusterGrid, DecalData, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush,
     MaterialData, ProbeData, ShadowPush, ShadowViewData,
 };
-use ontile::plan::{Brdf, GBuffer, ResolveWay, Tonemap};
+use ontile::plan::{BloomWay, Brdf, GBuffer, ResolveWay, Tonemap};
 use reflect::{Block, Reflection, block};
 use rspirv::dr::Operand;
 use rspirv::spirv::{Decoration, Op};
@@ -150,6 +150,7 @@ fn blocks() -> [Block; 11] {
                 ambient_nt,
                 light_counts,
                 hemispheres,
+                bloom,
             }
         ),
         block!("Instance" = InstanceData { world_from_object_rows }),
@@ -296,6 +297,14 @@ fn wrong_interfaces_are_reported() {
     }
 }
 
+/// Without the curve, which other builders have too.
+fn every_constant_of_bloom() -> Specialization {
+    let mut bloom = Specialization::bloom(0, None);
+    let curve = bloom.ids.iter().position(|id| *id == shared("ID_TONEMAP")).expect("it may undo one");
+    (bloom.ids.remove(curve), bloom.data.remove(curve));
+    bloom
+}
+
 /// A value for every constant that the typed builders know.
 fn every_constant() -> Specialization {
     let output = OutputConstants {
@@ -304,6 +313,7 @@ fn every_constant() -> Specialization {
         float: false,
         background: None,
         fog: None,
+        bloom: BloomWay::Off,
     };
     let samples =
         SampleConstants { samples: 4, per_sample: true, sample_depth: true, resolve: ResolveWay::Plain };
@@ -316,6 +326,7 @@ fn every_constant() -> Specialization {
         .and(Specialization::brdf(Brdf::Exact))
         .and(Specialization::volume(0))
         .and(DecalConstants::default().specialization())
+        .and(every_constant_of_bloom())
 }
 
 #[test]

@@ -1,6 +1,7 @@
 // Written by tools/shaders.
 embed![
     "base.frag",
+    "bloom.frag",
     "decal.frag",
     "decal.vert",
     "decal_samples.frag",

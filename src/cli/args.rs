@@ -11,8 +11,8 @@ use ontile::glam::Vec3;
 use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
-    Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat, Path,
-    ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
+    BloomWay, Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options,
+    OutputFormat, Path, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
 };
 use ontile::scene::{Background, FogHeight, Scene};
 
@@ -176,6 +176,16 @@ pub struct PlanArgs {
     /// between, or by fixed-function blending, where the layout allows
     #[arg(long, value_name = "WAY", default_value_t = DecalWay::Auto, value_parser = named(DecalWay::ALL, DecalWay::name))]
     pub decals: DecalWay,
+    /// Light that lens and eye scatter around bright places; the frame's pass stays whole: from the previous frame's picture, which
+    /// the tone curve has cut, or from its light, which is stored beside the picture
+    #[arg(long, value_name = "WAY", default_value_t = BloomWay::Off, value_parser = named(BloomWay::ALL, BloomWay::name))]
+    pub bloom: BloomWay,
+    /// The share of light that bloom scatters, 0 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, allow_negative_numbers = true)]
+    pub bloom_strength: f32,
+    /// How far bloom reaches, as a share of the picture's shorter side, above 0 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1, allow_negative_numbers = true)]
+    pub bloom_radius: f32,
 }
 
 impl PlanArgs {
@@ -207,6 +217,9 @@ impl PlanArgs {
             output,
             recycle: !self.no_recycle,
             fold: !self.no_fold,
+            bloom: self.bloom,
+            bloom_strength: self.bloom_strength,
+            bloom_radius: self.bloom_radius,
             dither: self.dither,
             samples: self.samples,
             resolve: self.resolve,

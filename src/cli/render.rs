@@ -160,8 +160,10 @@ fn draw(
     let mut offscreen = Offscreen::new(device, scene, plan, config, &cache)?;
     drop(progress);
     cache.store();
-    let progress = (args.run.frames > 1).then(|| Progress::of_steps("rendering", args.run.frames.into()));
-    for _ in 0..args.run.frames {
+    // Scattered light is that of the frames before.
+    let frames = args.run.frames.max(offscreen.renderer().plan().frames_to_settle());
+    let progress = (frames > 1).then(|| Progress::of_steps("rendering", frames.into()));
+    for _ in 0..frames {
         offscreen.render(&View { camera, exposure_ev: args.plan.exposure })?;
         progress.iter().for_each(Progress::step);
     }

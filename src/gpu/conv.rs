@@ -79,6 +79,7 @@ pub fn usage(u: Usage) -> vk::ImageUsageFlags {
         (u.color, vk::ImageUsageFlags::COLOR_ATTACHMENT),
         (u.depth, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT),
         (u.input, vk::ImageUsageFlags::INPUT_ATTACHMENT),
+        (u.sampled, vk::ImageUsageFlags::SAMPLED),
         (u.copy_source, vk::ImageUsageFlags::TRANSFER_SRC),
     ];
     flags.iter().filter(|(on, _)| *on).fold(vk::ImageUsageFlags::empty(), |all, (_, flag)| all | *flag)
@@ -117,6 +118,7 @@ pub fn format_features(u: Usage) -> vk::FormatFeatureFlags {
         (u.color, vk::FormatFeatureFlags::COLOR_ATTACHMENT),
         (u.blend, vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND),
         (u.depth, vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT),
+        (u.sampled, vk::FormatFeatureFlags::SAMPLED_IMAGE),
     ];
     flags.iter().filter(|(on, _)| *on).fold(vk::FormatFeatureFlags::empty(), |all, (_, flag)| all | *flag)
 }

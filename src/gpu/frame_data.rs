@@ -93,6 +93,7 @@ impl FrameData {
         size: [u32; 2],
         scene: Everything<'_>,
         cull: bool,
+        [share, factor]: [f32; 2],
     ) -> Written {
         let Everything { objects, lights, light_lists, decals, ambient_nt } = scene;
         let mut uniforms = view.uniforms(plan, size, ambient_nt);
@@ -112,6 +113,7 @@ impl FrameData {
             let out = bytemuck::cast_slice_mut(buffer.mapped_mut());
             decals.write_visible(&clip_from_world, frustum, view.camera, out);
         }
+        uniforms.bloom = [share, factor, 0.0, 0.0];
         if let Some(buffer) = &mut self.uniforms {
             buffer.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
         }

@@ -43,6 +43,7 @@ mod offscreen;
 mod owned;
 mod pass;
 mod pipeline;
+mod post;
 mod query;
 mod readback;
 mod renderer;

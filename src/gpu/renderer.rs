@@ -1,6 +1,7 @@
 //! The renderer: a plan made of Vulkan objects, and frames recorded with them.
 
 mod decals;
+mod post;
 mod record;
 
 use std::sync::Arc;
@@ -11,6 +12,7 @@ use glam::Mat4;
 use super::fragments::{DrawCount, FragmentQueries};
 use super::pass::create_render_pass;
 use super::pipeline::Pipelines;
+use super::post::PostPasses;
 use super::scene_data::SceneData;
 use super::shadow::{RecordedShadows, ShadowResources, Shadows};
 use super::target::check_formats;
@@ -18,7 +20,7 @@ use super::{
     Device, Image, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View,
     conv,
 };
-use crate::plan::{FrameCounts, Needs, Plan, State};
+use crate::plan::{FrameCounts, Needs, OutputUse, Plan, State, Usage};
 use crate::scene::{Decal, Light, Scene};
 use crate::{Error, Result};
 use record::Frame;
@@ -76,6 +78,8 @@ pub struct Renderer {
     fragments: Option<FragmentQueries>,
     shadows: Option<Shadows>,
     scene: SceneData,
+    /// `None` if the plan has no passes after the frame's own.
+    post: Option<Arc<PostPasses>>,
     pipelines: Pipelines,
     /// Shared with the targets: their framebuffers are of these passes.
     passes: Arc<[Owned<vk::RenderPass>]>,
@@ -124,6 +128,7 @@ impl Renderer {
             .map(|pass| create_render_pass(device, &plan, pass))
             .collect::<Result<Arc<[_]>>>()?;
         let pipelines = Pipelines::new(device, &plan, &passes, cache)?;
+        let post = PostPasses::new(device, &plan, &pipelines, cache)?.map(Arc::new);
         let mut upload = Upload::new(device);
         let slot_count = config.frames_in_flight.max(1);
         let map = plan.shadow_map.as_ref();
@@ -147,6 +152,7 @@ impl Renderer {
             fragments: fragments.transpose()?,
             shadows,
             scene: data,
+            post,
             pipelines,
             passes,
             plan,
@@ -174,8 +180,9 @@ impl Renderer {
     /// # Errors
     /// [`Error::Unsupported`] if the device has no images of that size; [`Error::Vulkan`].
     pub fn create_target(&self, size: [u32; 2], outputs: &[OutputImage]) -> Result<Target> {
-        let Self { device, plan, passes, pipelines, config, .. } = self;
-        Target::new(device, plan, passes, pipelines, size, outputs, config.capture)
+        let Self { device, plan, passes, pipelines, post, config, .. } = self;
+        let post = post.as_deref();
+        Target::new(device, plan, passes, pipelines, post, size, outputs, config.capture)
     }
 
     /// The format that output images must have.
@@ -185,7 +192,14 @@ impl Renderer {
 
     /// The usage that output images must have at least.
     pub fn output_usage(&self) -> vk::ImageUsageFlags {
-        conv::usage(self.plan.attachments[0].usage)
+        match self.plan.post.draws_output() {
+            true => conv::usage(Usage {
+                color: true,
+                copy_source: self.plan.options.output_use == OutputUse::Copy,
+                ..Usage::default()
+            }),
+            false => conv::usage(self.plan.attachments[0].usage),
+        }
     }
 
     /// The layout that a frame leaves its output image in; what it is in before does not matter.
@@ -312,12 +326,19 @@ impl Renderer {
     ) {
         assert!(target.is_of(&self.passes), "the target was created by another renderer");
         let vk::Extent2D { width, height } = target.extent();
-        let seen = self.scene.write_frame(slot, view, &self.plan, [width, height], self.config.cull);
+        let exposure = view.exposure();
+        let scattered = target.post().map_or([0.0; 2], |post| post.scattered(&self.plan, exposure));
+        let (size, cull) = ([width, height], self.config.cull);
+        let seen = self.scene.write_frame(slot, view, &self.plan, size, cull, scattered);
         let _label = recorder.label("ontile frame");
         self.queries.reset(recorder, slot as u32);
         self.queries.begin_statistics(recorder, slot as u32);
         self.queries.timestamp(recorder, slot as u32, 0, vk::PipelineStageFlags::TOP_OF_PIPE);
         let aspect = f64::from(width) / f64::from(height);
+        if let Some(post) = target.post() {
+            post.prepare(recorder, &self.plan);
+            post.recorded(exposure);
+        }
         let shadows = self.shadows.as_mut().map(|s| s.record(recorder, slot, view, aspect, &self.scene));
         let shadows = shadows.unwrap_or_default();
         let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };

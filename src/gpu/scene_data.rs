@@ -179,10 +179,11 @@ impl SceneData {
         plan: &Plan,
         size: [u32; 2],
         cull: bool,
+        scattered: [f32; 2],
     ) -> Written {
         let Self { objects, lights, light_lists, decals, ambient_nt, .. } = self;
         let scene = Everything { objects, lights, light_lists, decals, ambient_nt: *ambient_nt };
-        self.frames[slot].write(view, plan, size, scene, cull)
+        self.frames[slot].write(view, plan, size, scene, cull, scattered)
     }
 
     /// Binds what a batch's draw reads, unless `bound` says that it is bound already.
@@ -345,7 +346,8 @@ impl SceneData {
 
 /// A layout of each [`Family::frame`].
 fn frame_layouts(pipelines: &Pipelines) -> BTreeMap<u32, &FamilyLayout> {
-    pipelines.layouts.iter().map(|(family, layout)| (family.frame(), layout)).collect()
+    let read = pipelines.layouts.iter().filter(|(family, _)| family.frame() != 0);
+    read.map(|(family, layout)| (family.frame(), layout)).collect()
 }
 
 /// What is bound while surfaces are drawn.

@@ -76,11 +76,13 @@ pub enum Module {
     Decal,
     /// [`Self::Decal`] of several samples a pixel.
     DecalSamples,
+    /// Spreads light.
+    Bloom,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -95,6 +97,7 @@ impl Module {
         Self::Lighting,
         Self::Tonemap,
         Self::ShadowCompose,
+        Self::Bloom,
         Self::LightingSamples,
         Self::TonemapSamples,
         Self::DecalVertex,
@@ -121,6 +124,7 @@ impl Module {
             Self::ShadowCompose => "shadow_compose.frag",
             Self::DecalVertex => "decal.vert",
             Self::Decal | Self::DecalSamples => "decal.frag",
+            Self::Bloom => "bloom.frag",
         }
     }
 

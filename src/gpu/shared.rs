@@ -33,6 +33,8 @@ pub struct FrameUniforms {
     pub light_counts: [u32; 4],
     /// Irradiance of all hemisphere lights together: of colour channel `c`, in lux, `dot(hemispheres[c], (normal, 1))`.
     pub hemispheres: [[f32; 4]; 3],
+    /// The share of light that is scattered, and by what to multiply what is stored of it. zw unused.
+    pub bloom: [f32; 4],
 }
 
 /// A placement of a mesh, indexed by the instance index: `Instance` in `glsl/geometry.vert`, std430.

@@ -6,6 +6,8 @@ use ash::vk;
 
 use super::descriptor::{Content, DescriptorSets};
 use super::pipeline::Pipelines;
+use super::post::{PostPasses, PostTarget};
+use super::shader::shared;
 use super::{Device, Image, ImageDesc, Owned, conv};
 use crate::plan::{Format, Load, PassAttachment, Pipeline, Plan, check_size};
 use crate::{Error, Result};
@@ -30,6 +32,8 @@ pub struct Target {
     /// In the order of `Plan::attachments`; the output's place is empty.
     attachments: Vec<Option<Image>>,
     clear_values: Vec<Vec<vk::ClearValue>>,
+    /// `None` if the plan has no passes after the frame's own.
+    post: Option<PostTarget>,
     extent: vk::Extent2D,
     /// Its renderer's.
     passes: Arc<[Owned<vk::RenderPass>]>,
@@ -45,11 +49,16 @@ struct OutputTarget {
 }
 
 impl Target {
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "the parts of a renderer, apart so that they can be borrowed"
+    )]
     pub(super) fn new(
         device: &Device,
         plan: &Plan,
         passes: &Arc<[Owned<vk::RenderPass>]>,
         pipelines: &Pipelines,
+        post: Option<&PostPasses>,
         size: [u32; 2],
         outputs: &[OutputImage],
         capture: bool,
@@ -73,10 +82,21 @@ impl Target {
             })
             .collect::<Result<Vec<_>>>()?;
         let extent = vk::Extent2D { width: size[0], height: size[1] };
-        let build = OutputBuilder { device, plan, passes, pipelines, attachments: &attachments, extent };
-        let outputs = outputs.iter().map(|o| build.build(o)).collect::<Result<_>>()?;
+        let images = PostTarget::images(device, plan, size)?;
+        let bloom = post.zip(plan.post.scattered()).map(|(post, image)| {
+            let binding = const { shared("BINDING_BLOOM") };
+            post.sampled_at(binding, images[image].view())
+        });
+        let build =
+            OutputBuilder { device, plan, passes, pipelines, attachments: &attachments, extent, bloom };
+        let hosts = outputs;
+        let outputs = hosts.iter().map(|o| build.build(o)).collect::<Result<_>>()?;
+        let view = |output: usize, attachment: usize| build.view(&hosts[output], attachment);
+        let post =
+            post.map(|post| PostTarget::new(device, plan, post, pipelines, images, (hosts, size), &view));
+        let post = post.transpose()?;
         let passes = Arc::clone(passes);
-        Ok(Self { outputs, attachments, clear_values: clear_values(plan), extent, passes })
+        Ok(Self { outputs, attachments, clear_values: clear_values(plan), post, extent, passes })
     }
 
     /// The image of one of the plan's attachments; `None` for the output, which is the host's.
@@ -87,6 +107,10 @@ impl Target {
     /// Whether the renderer with these passes created it.
     pub(super) fn is_of(&self, passes: &Arc<[Owned<vk::RenderPass>]>) -> bool {
         Arc::ptr_eq(&self.passes, passes)
+    }
+
+    pub(super) fn post(&self) -> Option<&PostTarget> {
+        self.post.as_ref()
     }
 
     pub(super) fn extent(&self) -> vk::Extent2D {
@@ -115,11 +139,17 @@ struct OutputBuilder<'a> {
     pipelines: &'a Pipelines,
     attachments: &'a [Option<Image>],
     extent: vk::Extent2D,
+    /// Scattered light.
+    bloom: Option<vk::DescriptorImageInfo>,
 }
 
 impl OutputBuilder<'_> {
+    fn view(&self, output: &OutputImage, attachment: usize) -> vk::ImageView {
+        self.attachments[attachment].as_ref().map_or(output.view, Image::view)
+    }
+
     fn build(&self, output: &OutputImage) -> Result<OutputTarget> {
-        let view = |attachment: usize| self.attachments[attachment].as_ref().map_or(output.view, Image::view);
+        let view = |attachment: usize| self.view(output, attachment);
         let mut framebuffers = Vec::new();
         for (pass, raw) in self.plan.passes.iter().zip(self.passes) {
             let views: Vec<_> = pass.attachments.iter().map(|a| view(a.attachment)).collect();
@@ -165,6 +195,10 @@ impl OutputBuilder<'_> {
                     .image_layout(conv::layout(subpass.input_states[binding]));
                 let ty = vk::DescriptorType::INPUT_ATTACHMENT;
                 sets.write(set, binding as u32, ty, &Content::Images(vec![image]));
+            }
+            if let Some(bloom) = self.bloom.filter(|_| self.plan.applies_curve(stage)) {
+                let ty = vk::DescriptorType::COMBINED_IMAGE_SAMPLER;
+                sets.write(set, const { shared("BINDING_BLOOM") }, ty, &Content::Images(vec![bloom]));
             }
         }
         Ok((Some(sets), set_of_stage))

@@ -16,6 +16,11 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
+    /// What light is multiplied by: not a number counts as 0 EV, and light that is multiplied stays a number.
+    pub(super) fn exposure(&self) -> f32 {
+        if self.exposure_ev.is_nan() { 1.0 } else { self.exposure_ev.clamp(-126.0, 126.0).exp2() }
+    }
+
     /// The uniform block of a frame of this size in pixels, without lights. Computed in f64: the f32 result is the
     /// nearest to the exact one.
     pub(super) fn uniforms(&self, plan: &Plan, size: [u32; 2], ambient_nt: glam::Vec3) -> FrameUniforms {
@@ -41,16 +46,12 @@ impl View<'_> {
             forward_world: axis(-back, 0.0),
             distance_from_depth: self.camera.projection.distance_from_depth(),
             inverse_size: [(1.0 / width) as f32, (1.0 / height) as f32],
-            // Not a number counts as 0 EV, and light that is multiplied stays a number.
-            exposure: if self.exposure_ev.is_nan() {
-                1.0
-            } else {
-                self.exposure_ev.clamp(-126.0, 126.0).exp2()
-            },
+            exposure: self.exposure(),
             light_scale: plan.light_scale(),
             ambient_nt: ambient_nt.extend(0.0).to_array(),
             light_counts: [0; 4],
             hemispheres: [[0.0; 4]; 3],
+            bloom: [0.0; 4],
         }
     }
 }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::access::{Access, Scope, State};
-use super::stage::{Frame, Use};
+use super::stage::{Frame, Resource, Stage, Use};
 use super::{
     Attachment, Dependency, Load, Options, Pass, PassAttachment, Resolve, Store, Strategy, Subpass, Usage,
 };
@@ -102,29 +102,43 @@ fn pass(
             Some(_) => Load::Clear,
             None => Load::DontCare,
         };
-        let is_output = last.resource == Frame::OUTPUT;
-        let used_later = frame.resources[last.resource].kept || frame.lifetime(last.resource).1 > last_stage;
+        let used_later = {
+            let Resource { kept, sampled, .. } = frame.resources[last.resource];
+            kept || sampled || frame.lifetime(last.resource).1 > last_stage
+        };
         let store = if used_later { Store::Store } else { Store::DontCare };
 
-        let kept = frame.resources.iter().enumerate().find(|(r, res)| res.kept && place_of(*r) == attachment);
-        let host = kept.and_then(|(r, _)| match r {
-            Frame::OUTPUT => Access::after_frame(options.output_use),
-            _ => Some(Access::TransferRead),
-        });
+        let placed = frame.resources.iter().enumerate().filter(|(r, _)| place_of(*r) == attachment);
+        let host: Scope = placed.flat_map(|(r, _)| after_frame(frame, options, r)).collect();
         // Later passes of a frame wait for its first one.
-        let earlier_host = host.filter(|_| !states.contains_key(&attachment));
+        let earlier_host = if states.contains_key(&attachment) { Scope::new() } else { host.clone() };
         let before = states.get(&attachment).copied().unwrap_or(State::Undefined);
+        let is_last = || {
+            let uses = |s: &Stage| s.uses.iter().any(|(r, _)| place_of(*r) == attachment);
+            !frame.stages[last_stage + 1..].iter().any(uses)
+        };
         let is_copied = frame.resources[last.resource].kept && last_stage + 1 == frame.stages.len();
-        let after = match (is_output, is_copied) {
-            (true, _) => State::after_frame(options.output_use),
-            (false, true) => State::CopySource,
-            (false, false) => State::of(&last.uses, depth),
+        let is_output = last.resource == Frame::OUTPUT;
+        let after = if frame.resources[last.resource].sampled && is_last() {
+            State::Sampled
+        } else if is_output {
+            State::after_frame(options.output_use)
+        } else if is_copied {
+            State::CopySource
+        } else {
+            State::of(&last.uses, depth)
         };
         states.insert(attachment, after);
+        let outside = if frame.resources[last.resource].sampled {
+            Some((Access::SampledRead, "passes after the frame's own sample it"))
+        } else {
+            let host = Access::after_frame(options.output_use).filter(|_| is_output);
+            host.map(|access| (access, "the host uses the output"))
+        };
 
         dependencies.order_within(frame, touches, depth);
         dependencies.order_after_outside(first, touches.len() == 1, depth, load, earlier_host);
-        dependencies.order_before_outside(last.subpass, depth, store, host.filter(|_| is_output));
+        dependencies.order_before_outside(last.subpass, depth, store, outside);
         attachments.push(PassAttachment {
             attachment,
             load,
@@ -147,6 +161,18 @@ fn pass(
         subpasses,
         dependencies: dependencies.finish(),
     }
+}
+
+/// What reads a resource after the frame's own passes.
+fn after_frame(frame: &Frame, options: &Options, resource: usize) -> Scope {
+    let Resource { kept, sampled, .. } = frame.resources[resource];
+    let host = match resource {
+        // The host's image is another one.
+        Frame::OUTPUT if options.edge_filter => None,
+        Frame::OUTPUT => Access::after_frame(options.output_use),
+        _ => kept.then_some(Access::TransferRead),
+    };
+    host.into_iter().chain(sampled.then_some(Access::SampledRead)).collect()
 }
 
 /// What becomes of a resource's stencil in a pass: it is cleared when it is first used, and forgotten after the last use.
@@ -287,14 +313,7 @@ impl Dependencies {
     }
 
     /// Orders the pass's first touch after earlier passes and frames, and after what the host did since.
-    fn order_after_outside(
-        &mut self,
-        first: &Touch,
-        is_only: bool,
-        depth: bool,
-        load: Load,
-        host: Option<Access>,
-    ) {
+    fn order_after_outside(&mut self, first: &Touch, is_only: bool, depth: bool, load: Load, host: Scope) {
         let mut after = Access::of(&first.uses);
         after.insert(Access::load(depth, load));
         if is_only {
@@ -307,10 +326,16 @@ impl Dependencies {
     }
 
     /// Orders what the host does with the output, or later passes with what is stored, after the last touch.
-    fn order_before_outside(&mut self, last: usize, depth: bool, store: Store, host: Option<Access>) {
+    fn order_before_outside(
+        &mut self,
+        last: usize,
+        depth: bool,
+        store: Store,
+        outside: Option<(Access, &str)>,
+    ) {
         let before = [Access::store(depth)].into();
-        if let Some(access) = host {
-            self.add(Some(last), None, before, [access].into(), "the host uses the output".into());
+        if let Some((access, why)) = outside {
+            self.add(Some(last), None, before, [access].into(), why.into());
         } else if store == Store::Store {
             let after = [Access::InputRead, Access::load(depth, Load::Load), Access::TransferRead].into();
             self.add(Some(last), None, before, after, "later passes load what is stored".into());
@@ -339,8 +364,8 @@ pub fn attachments(
         let uses: Vec<_> =
             frame.stages.iter().flat_map(|s| &s.uses).filter(|(r, _)| place.contains(r)).collect();
         let has = |wanted: &[Use]| uses.iter().any(|(_, how)| wanted.contains(how));
-        let is_output = place.contains(&Frame::OUTPUT);
-        let kept = resources.clone().any(|r| r.kept);
+        let is_output = place.contains(&Frame::OUTPUT) && !options.edge_filter;
+        let kept = place.iter().any(|&r| r != Frame::OUTPUT && frame.resources[r].kept);
         let in_passes = || passes.iter().flat_map(|p| &p.attachments).filter(|a| a.attachment == index);
         Attachment {
             name: resources.clone().map(|r| r.name).collect::<Vec<_>>().join("/"),
@@ -354,6 +379,7 @@ pub fn attachments(
                 color: has(OUTPUTS) || has(&[Use::Resolve]),
                 depth: has(&[Use::Depth, Use::DepthTest, Use::Stencil]),
                 input: has(INPUTS),
+                sampled: resources.clone().any(|r| r.sampled),
                 copy_source: if is_output { options.output_use == super::OutputUse::Copy } else { kept },
                 blend: has(&[Use::Blend]),
             },

@@ -91,6 +91,19 @@ pub struct PassReport {
     pub dependencies: Vec<super::Dependency>,
 }
 
+/// One pass after the frame's own.
+#[derive(Clone, Debug, Serialize)]
+pub struct PostPassReport {
+    /// Name.
+    pub name: String,
+    /// Bytes a pixel of the picture that it samples or loads.
+    pub loaded_bytes_per_pixel: Figure,
+    /// Bytes a pixel of the picture that it stores.
+    pub stored_bytes_per_pixel: Figure,
+    /// Why it exists.
+    pub why: &'static str,
+}
+
 /// Sums over a frame.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Totals {
@@ -102,6 +115,10 @@ pub struct Totals {
     pub passes: usize,
     /// Subpasses in all passes.
     pub subpasses: usize,
+    /// Bytes a pixel that passes after these load, and that their tone curve samples of scattered light.
+    pub post_loaded_bytes_per_pixel: Figure,
+    /// Bytes a pixel that passes after these store.
+    pub post_stored_bytes_per_pixel: Figure,
     /// Render passes before these when all tiles of the shadow map are drawn, as in the first frame: one a tile. Later frames
     /// draw those that have changed.
     pub shadow_tile_passes: usize,
@@ -160,6 +177,8 @@ pub struct Report {
     pub passes: Vec<PassReport>,
     /// The shadow map, drawn before them; `null` where no light casts shadows.
     pub shadow_map: Option<super::ShadowMapReport>,
+    /// Passes after them, which sample what they and those before them have stored.
+    pub post_passes: Vec<PostPassReport>,
     /// Pipelines, as text.
     pub pipelines: Vec<String>,
     /// With light lists: their bounds.
@@ -240,6 +259,7 @@ impl Plan {
             attachments: attachments.collect(),
             passes: self.passes.iter().map(|p| self.pass_report(p)).collect(),
             shadow_map,
+            post_passes: self.post.passes.iter().map(|p| self.post_pass_report(p)).collect(),
             pipelines: self.pipelines.iter().map(|(_, p)| self.pipeline_text(p)).collect(),
             clusters: self.clusters,
             totals: Totals {
@@ -247,6 +267,8 @@ impl Plan {
                 stored_bytes_per_pixel: sum(1),
                 passes: self.passes.len(),
                 subpasses: self.stage_count(),
+                post_loaded_bytes_per_pixel: Figure::planned(self.post_totals()[0]),
+                post_stored_bytes_per_pixel: Figure::planned(self.post_totals()[1]),
                 shadow_tile_passes: self.shadow_map.as_ref().map_or(0, |map| map.tiles.len()),
                 shadow_stored_bytes,
                 shadow_bytes,
@@ -274,6 +296,16 @@ impl Plan {
             name: pass.name.clone(),
             subpasses: subpasses.collect(),
             dependencies: pass.dependencies.clone(),
+        }
+    }
+
+    fn post_pass_report(&self, pass: &super::PostPass) -> PostPassReport {
+        let [loaded, stored] = self.post_traffic(pass).map(Figure::planned);
+        PostPassReport {
+            name: pass.name.clone(),
+            loaded_bytes_per_pixel: loaded,
+            stored_bytes_per_pixel: stored,
+            why: pass.why,
         }
     }
 

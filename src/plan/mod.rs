@@ -28,6 +28,7 @@ mod options;
 mod pass;
 mod path;
 mod pipeline;
+mod post;
 mod print;
 mod samples;
 mod shadow;
@@ -50,20 +51,22 @@ pub use decals::{Channels, DecalKind, DecalNeed};
 pub use format::Format;
 pub use layout::{Form, GBuffer, LightPlace, LightTarget, LightWord, Target, Tells};
 pub use ledger::{
-    AttachmentReport, DeviceFigures, Figure, Origin, PassReport, Report, SubpassReport, Totals,
+    AttachmentReport, DeviceFigures, Figure, Origin, PassReport, PostPassReport, Report, SubpassReport,
+    Totals,
 };
 pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};
 pub(crate) use names::named_enum;
 pub use names::{
-    Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
-    ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
+    BloomWay, Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
+    OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub use options::{Options, ShadowOptions};
 pub use pass::{Attachment, Dependency, Load, Pass, PassAttachment, Resolve, Store, Subpass, Usage};
 pub use pipeline::Pipeline;
+pub use post::{Post, PostImage, PostKind, PostPass, PostPlace, bloom_levels};
 pub use shadow::{
     CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, bias_texels, spread_texels,
 };
@@ -145,6 +148,8 @@ pub struct Plan {
     pub clusters: Option<ClusterBudget>,
     /// The shadow map, where lights cast shadows; it is drawn before the first pass.
     pub shadow_map: Option<ShadowMap>,
+    /// Passes after the last one, where pixels' neighbours are needed.
+    pub post: Post,
     /// Decisions that a reader may wonder about.
     pub notes: Vec<String>,
     /// How decals are ordered, never [`DecalWay::Auto`]; `None` without decals.
@@ -165,6 +170,7 @@ impl Plan {
         check_shadows(&options)?;
         around::check(&needs)?;
         let (path, path_why) = path::resolve(&needs, &options, limits)?;
+        post::check(&options, &needs, path)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
         let gbuffer = GBuffer::new(&options)?;
         if path == Path::Deferred && needs.lit.is_some() {
@@ -179,6 +185,7 @@ impl Plan {
         let attachments = derive::attachments(&frame, &places, &passes, &options);
         check_counts(&passes, &options, limits)?;
         samples::check_limits(&attachments, &passes, &options, limits)?;
+        let post = Post::new(&options, &attachments);
         let (shadow_map, shadows_told) = ShadowMap::new(&needs.shadows, &options, limits);
         let around = around::images(&needs, &options);
         let pipelines = pipeline::of(&frame, &needs, light_way);
@@ -209,6 +216,7 @@ impl Plan {
             light_way,
             clusters,
             shadow_map,
+            post,
             notes,
             warnings,
         })
@@ -245,6 +253,12 @@ impl Plan {
     /// The factor that exposed light is stored with.
     pub fn light_scale(&self) -> f32 {
         self.light_target().map_or(1.0, |light| 1.0 / light.range)
+    }
+
+    /// Whether the stage writes the final image, all pixels of it at once.
+    pub fn applies_curve(&self, stage: usize) -> bool {
+        let last = stage + 1 == self.stage_count();
+        last && matches!(self.subpass(stage).2.name, "lighting" | "tonemap")
     }
 
     /// The number of subpasses in all passes: of stages.

@@ -303,3 +303,15 @@ named_enum! {
         Auto = "auto",
     }
 }
+
+named_enum! {
+    /// Light that is scattered around bright places, of which neither way breaks the frame's pass.
+    BloomWay {
+        /// None.
+        Off = "off",
+        /// From the final image of the frame before: nothing more is stored, and what the tone curve or the display cut off is lost.
+        Previous = "previous",
+        /// From the light of the frame before, which is stored beside the final image: 4 bytes a pixel more.
+        Store = "store",
+    }
+}

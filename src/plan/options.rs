@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::{
-    Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat, OutputUse, Path,
-    ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
+    BloomWay, Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
+    OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 use crate::environment::TexelFormat;
 
@@ -101,6 +101,14 @@ pub struct Options {
     pub resolve: ResolveWay,
     /// How decals that overlap are painted.
     pub decals: DecalWay,
+    /// Light that lens and eye scatter around bright places.
+    pub bloom: BloomWay,
+    /// The share of light that is scattered, 0 to 1.
+    pub bloom_strength: f32,
+    /// How far it is scattered: the size of the widest step's pixels as a share of the picture's shorter side, above 0 to 1.
+    pub bloom_radius: f32,
+    /// Smooth edges, found by depth and normals of neighbours (Koonce 2007, listing 19-3), in a pass after the frame's own.
+    pub edge_filter: bool,
 }
 
 impl Default for Options {
@@ -133,6 +141,10 @@ impl Default for Options {
             samples: 1,
             resolve: ResolveWay::Tonemapped,
             decals: DecalWay::Auto,
+            bloom: BloomWay::Off,
+            bloom_strength: 0.05,
+            bloom_radius: 0.1,
+            edge_filter: false,
         }
     }
 }

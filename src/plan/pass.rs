@@ -38,6 +38,9 @@ pub struct Usage {
     pub depth: bool,
     /// Input attachment.
     pub input: bool,
+    /// Sampled by passes after the frame's own.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub sampled: bool,
     /// Copied from.
     pub copy_source: bool,
     /// Colour output with fixed-function blending.

@@ -1,6 +1,6 @@
 //! When surfaces are lit: what was asked for, and what comes of it for a scene.
 
-use super::{LightWay, Limits, Needs, Options, Path, Strategy};
+use super::{BloomWay, LightWay, Limits, Needs, Options, Path, Strategy};
 use crate::{Error, Result};
 
 /// [`Path::Auto`] is forward where a point of the scene is reached by at most so many lights on average. Where the G-buffer
@@ -19,6 +19,7 @@ const MOST_FOR_FORWARD_IN_MEMORY: f32 = 20.0;
 /// [`Error::Unsupported`] if a G-buffer is to be kept on a path that has none.
 pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Result<(Path, Option<String>)> {
     let no_lights = needs.listed_lights() == 0;
+    let wants_gbuffer = options.keep_gbuffer || options.edge_filter || options.bloom != BloomWay::Off;
     let (path, why) = match options.path {
         Path::Auto if !needs.decals.is_empty() => {
             (Path::Deferred, Some("path: deferred, since decals are painted over its G-buffer".into()))
@@ -26,6 +27,10 @@ pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Resu
         Path::Auto if options.keep_gbuffer => {
             (Path::Deferred, Some("path: deferred, since its G-buffer is to be kept".into()))
         }
+        Path::Auto if wants_gbuffer && needs.lit.is_some() => (
+            Path::Deferred,
+            Some("path: deferred, for bloom and the edge filter, which need a stage over all pixels".into()),
+        ),
         Path::Auto
             if needs.local_lights() > 0
                 && matches!(options.lights, LightWay::Volumes | LightWay::Stencil) =>
@@ -41,7 +46,7 @@ pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Resu
         }
         Path::Deferred
             if needs.lit.is_some()
-                && !options.keep_gbuffer
+                && !wants_gbuffer
                 && needs.decals.is_empty()
                 && no_lights
                 && needs.hemisphere_lights == 0 =>

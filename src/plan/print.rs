@@ -221,6 +221,7 @@ impl Plan {
                 map.bytes()
             )?;
         }
+        self.print_post(f)?;
         writeln!(f, "\ntilers (modelled):")?;
         for v in verdicts(self) {
             writeln!(

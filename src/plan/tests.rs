@@ -129,7 +129,8 @@ prop_compose! {
         let mut uses: BTreeMap<usize, Vec<(usize, Use)>> = BTreeMap::new();
         uses.entry(stages - 1).or_default().push((Frame::OUTPUT, Use::Write));
         let resource = |format, clear: bool, kept| Resource {
-            name: "r", format, holds: "", samples: 1, clear: clear.then_some([0.0; 4]), kept, why: String::new(),
+            name: "r", format, holds: "", samples: 1, clear: clear.then_some([0.0; 4]), kept,
+            sampled: false, why: String::new(),
         };
         let mut all = vec![resource(Format::Rgba8Srgb, false, true)];
         for (how, clear, kept, wide, start) in resources {

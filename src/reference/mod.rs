@@ -20,6 +20,7 @@
 //! ([`shadow`], [`Pixel::shadowed`]).
 
 pub mod around;
+pub mod bloom;
 pub mod brdf;
 mod bvh;
 mod decals;
@@ -36,6 +37,7 @@ pub mod shade;
 pub mod shadow;
 pub mod texture;
 pub mod tonemap;
+pub mod tonemap_inverse;
 pub mod view;
 pub mod visibility;
 

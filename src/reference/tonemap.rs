@@ -38,18 +38,21 @@ pub fn tonemap_neutral(light: DVec3) -> DVec3 {
 /// The curve of 0 is below 0, and saturated colours leave Rec.709: no display shows less than no light.
 pub fn tonemap_aces(light: DVec3) -> DVec3 {
     // Rec.709 -> XYZ -> D65 to D60 -> AP1 -> RRT saturation; and back. Rows as printed.
-    let rrt_from_rec709 =
-        from_rows([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]]);
-    let rec709_from_odt = from_rows([
-        [1.60475, -0.53108, -0.07367],
-        [-0.10208, 1.10813, -0.00605],
-        [-0.00327, -0.07276, 1.07602],
-    ]);
+    let rrt_from_rec709 = from_rows(ACES_RRT_FROM_REC709);
+    let rec709_from_odt = from_rows(ACES_REC709_FROM_ODT);
     let v = rrt_from_rec709 * light;
     let fitted =
         (v * (v + 0.0245786) - DVec3::splat(0.000090537)) / (v * (0.983729 * v + 0.4329510) + 0.238081);
     (rec709_from_odt * fitted).max(DVec3::ZERO)
 }
+
+/// Rows of the matrix before Hill's fit.
+pub(super) const ACES_RRT_FROM_REC709: [[f64; 3]; 3] =
+    [[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]];
+
+/// Rows of the matrix after it.
+pub(super) const ACES_REC709_FROM_ODT: [[f64; 3]; 3] =
+    [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]];
 
 fn from_rows(rows: [[f64; 3]; 3]) -> DMat3 {
     DMat3::from_cols_array_2d(&rows).transpose()

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::common::render::{Gpu, on_device};
 use super::common::scenes;
 use ontile::gpu::{Explained, ExplainedKind, Explanation, RendererConfig};
-use ontile::plan::{Brdf, LightWay, Options, Path, Plan, Strategy};
+use ontile::plan::{BloomWay, Brdf, LightWay, Options, Path, Plan, Strategy};
 use ontile::scene::Scene;
 
 /// How many there are of each name.
@@ -100,6 +100,8 @@ fn what_is_created_is_what_is_explained() {
                 Options { path: Path::Forward, depth_prepass: true, ..small() },
                 Options { path: Path::ForwardMultipass, ..small() },
                 Options { lights: LightWay::Stencil, ..small() },
+                Options { bloom: BloomWay::Previous, ..small() },
+                Options { bloom: BloomWay::Store, strategy: Strategy::Separate, ..small() },
                 Options { brdf: Brdf::Fitted, ..small() },
                 Options { brdf: Brdf::Fitted, path: Path::Forward, ..small() },
             ] {

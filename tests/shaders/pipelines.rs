@@ -6,8 +6,8 @@ use std::time::Instant;
 use ontile::gpu::PipelineParts;
 use ontile::gpu::shader::{Module, Specialization, prune, shared};
 use ontile::plan::{
-    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Needs, Normals, Options, Path, Plan,
-    Strategy,
+    BloomWay, Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Needs, Normals, Options, Path,
+    Plan, Strategy,
 };
 
 use rspirv::spirv::Capability;
@@ -27,6 +27,8 @@ fn plans() -> Vec<(String, Plan)> {
         Options { lights: LightWay::Clusters, path: Path::Forward, depth_prepass: true, ..default() },
         Options { layout: Layout::Exact, fold: false, ..default() },
         Options { strategy: Strategy::Separate, ..default() },
+        Options { bloom: BloomWay::Previous, ..default() },
+        Options { bloom: BloomWay::Store, path: Path::ForwardMultipass, ..default() },
     ]);
     options.extend(Layout::ALL.iter().map(|&layout| Options { layout, ..default() }));
     let layout = Layout::Specular160;

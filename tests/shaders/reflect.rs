@@ -315,7 +315,14 @@ impl Reflection {
                     }
                     None => match upper("material_") {
                         Some(texture) => resource(of_material, format!("BINDING_{texture}")),
-                        None => resource("SET_FRAME", format!("BINDING_{}", name.to_uppercase())),
+                        None => {
+                            let set = match name.as_str() {
+                                "bloom" => "SET_INPUTS",
+                                name if name.starts_with("post_") => "SET_POST",
+                                _ => "SET_FRAME",
+                            };
+                            resource(set, format!("BINDING_{}", name.to_uppercase()));
+                        }
                     },
                 },
                 StorageClass::Input | StorageClass::Output if decoration(Decoration::Location).is_some() => {

@@ -6,8 +6,8 @@ use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
 use ontile::plan::{
-    Access, Adreno, Bins, DecalWay, DepthStore, Layout, LightWay, Limits, Needs, Options, Path as LightPath,
-    Plan, Store, Strategy,
+    Access, Adreno, Bins, BloomWay, DecalWay, DepthStore, Layout, LightWay, Limits, Needs, Options,
+    Path as LightPath, Plan, Store, Strategy,
 };
 use ontile::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -25,6 +25,7 @@ pub struct Case {
     pub depth_prepass: bool,
     pub strategy: Strategy,
     pub recycle: bool,
+    pub bloom: BloomWay,
     pub fault: Option<Fault>,
     /// `RendererConfig::capture`.
     pub capture: bool,
@@ -81,6 +82,7 @@ impl Case {
             depth_prepass: false,
             strategy: Strategy::Subpasses,
             recycle: true,
+            bloom: BloomWay::Off,
             fault: None,
             capture: false,
             stage_timestamps: false,
@@ -107,6 +109,7 @@ impl Case {
             depth_prepass: self.depth_prepass,
             recycle: self.recycle,
             decals: self.decals,
+            bloom: self.bloom,
             ..Options::default()
         };
         // What every Adreno of these generations allows.

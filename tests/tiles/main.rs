@@ -11,7 +11,7 @@ mod common;
 use child::{Case, Fault, Told};
 use common::turnip::{self, Turnip};
 use ontile::measure::tiler::{TilerTrace, Verdict};
-use ontile::plan::{Bins, DecalWay, DepthStore, Layout, LightWay, Path as LightPath, Strategy};
+use ontile::plan::{Bins, BloomWay, DecalWay, DepthStore, Layout, LightWay, Path as LightPath, Strategy};
 use serde_json::Value;
 use std::{path::Path, thread};
 
@@ -269,6 +269,30 @@ fn on_tile(gpu: u32, case: &Case, subpasses: usize, frame: &Frame) {
         pass.bin_width_px,
         pass.bin_height_px
     );
+}
+
+/// What bloom needs is stored once more or not at all, and its own passes load nothing either.
+#[test]
+fn bloom_leaves_the_pass_whole() {
+    let Some(turnip) = turnip::find() else { return };
+    for (bloom, stored) in [(BloomWay::Previous, 4), (BloomWay::Store, 8)] {
+        frames(&turnip, &Case { bloom, ..metallic(ALL_STAGES) }, |gpu, frame| {
+            let report = &frame.told.report;
+            let TilerTrace { mut passes, warnings } = frame.trace.after(shadow_tiles(report));
+            let after = passes.split_off(1);
+            assert_eq!(TilerTrace { passes, warnings }.verdict(stored), Verdict::OnTile, "{bloom} on {gpu}");
+            assert_eq!(after.len(), report["post_passes"].as_array().unwrap().len());
+            for pass in &after {
+                let bytes = [pass.load_bytes_per_pixel, pass.store_bytes_per_pixel];
+                assert_eq!((bytes, pass.attachments), ([0, 4], 1), "{bloom} on {gpu}: {pass:?}");
+            }
+            let mut objections = commitments(report);
+            objections.retain(|o| !o.starts_with("\"bloom_light\""));
+            objections.extend(frame.told.messages.iter().cloned());
+            assert_eq!(objections, Vec::<String>::new(), "{bloom} on {gpu}");
+            assert_eq!(report["totals"]["stored_bytes_per_pixel"]["value"], f64::from(stored));
+        });
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Why pipelines read vertex attributes and descriptors.
 
-use super::super::shader::shared;
+use super::super::shader::{shared, shared_names};
 use super::elements::{Elements, is_local};
 use crate::plan::{Pipeline, SLOTS};
 
@@ -34,6 +34,11 @@ impl Elements<'_> {
         element: &str,
     ) -> (String, String) {
         let found = self.plan.pipelines.get(pipeline);
+        let name = shared_names("BINDING_").find(|(_, number)| *number == binding).map(|(name, _)| name);
+        if binding >= const { shared("BINDING_BLOOM") } {
+            let name = name.unwrap_or("(without a name)").to_lowercase().replace('_', " ");
+            return (name, format!("the option bloom is {}", self.plan.options.bloom));
+        }
         if set != SET_FRAME {
             return match found {
                 Some((stage, Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap)) => {

@@ -94,6 +94,9 @@ impl Elements<'_> {
             | "LIGHT_ALPHA" => {
                 format!("how the G-buffer {} and the light target store it", options.layout)
             }
+            "BLOOM" | "BLOOM_STORED" | "BLOOM_STEP" | "BLOOM_DISPLAYED" => {
+                format!("the option bloom is {}", options.bloom)
+            }
             _ => "asked for by the options".into(),
         }
     }

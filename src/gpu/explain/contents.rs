@@ -59,6 +59,7 @@ impl Elements<'_> {
         if plan.needs.globe_maps > 0 {
             images.push(("globe maps".into(), self.globe_light()));
         }
+        images.extend(plan.post.images.iter().map(|image| (image.name.clone(), image.why.into())));
         if let Some(map) = &plan.shadow_map {
             images.push(("shadow map".into(), self.shadow_lights()));
             images.extend(map.has_static_map.then(|| ("static shadow map".into(), self.moving())));

@@ -1,6 +1,8 @@
 //! The elements of a scene that pipelines exist for.
 
-use crate::plan::{CasterKind, KindNeed, Pipeline, Plan, SceneKinds, SurfaceKind, VolumeShape, element};
+use crate::plan::{
+    CasterKind, KindNeed, Pipeline, Plan, PostPass, SceneKinds, SurfaceKind, VolumeShape, element,
+};
 use crate::scene::{Light, LightKind, Scene};
 use crate::visible::Reach;
 
@@ -15,9 +17,20 @@ impl<'a> Elements<'a> {
         Self { scene, plan }
     }
 
-    /// The element that the n-th pipeline exists for, casters' after the plan's, and what else it takes for it to exist.
+    /// The pass after the frame's own that the n-th pipeline is of.
+    fn of_post(&self, index: usize) -> Option<&PostPass> {
+        let casters = self.plan.shadow_map.iter().map(|map| map.casters.len()).sum::<usize>();
+        let before = self.plan.pipelines.len() + casters;
+        index.checked_sub(before).and_then(|n| self.plan.post.kinds().nth(n))
+    }
+
+    /// The element that the n-th pipeline exists for, casters' after the plan's, those of passes after the frame's own last, and
+    /// what else it takes for it to exist.
     pub(super) fn of_pipeline(&self, index: usize) -> (String, Option<String>) {
         let plan = self.plan;
+        if let Some(pass) = self.of_post(index) {
+            return (pass.why.into(), None);
+        }
         match plan.pipelines.get(index) {
             Some((_, Pipeline::Depth(_))) => {
                 let why = "the option depth_prepass draws depth first";

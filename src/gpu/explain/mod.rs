@@ -88,6 +88,9 @@ impl Explanation {
                 add(ExplainedKind::Subpass, subpass.name.into(), None, subpass.why.clone());
             }
         }
+        for pass in &plan.post.passes {
+            add(ExplainedKind::Pass, pass.name.clone(), None, pass.why.into());
+        }
         let parts = PipelineParts::of(plan)?;
         for (index, part) in parts.iter().enumerate() {
             let of = Some(part.name.as_str());

@@ -27,7 +27,14 @@ pub(in crate::gpu) enum SecondSet {
     /// `SET_MATERIAL`: a material with this many textures.
     Material { textures: u32 },
     /// `SET_INPUTS`: this many input attachments.
-    Inputs { count: u32 },
+    Inputs {
+        /// How many.
+        count: u32,
+        /// Whether scattered light is sampled beside them.
+        bloom: bool,
+    },
+    /// What a pass after the frame's own samples: bit `n` is binding `n`.
+    Samplers { bindings: u32 },
     /// There is none.
     Nothing,
 }
@@ -119,7 +126,10 @@ impl Family {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
             Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap | Pipeline::Decal(_) => {
-                SecondSet::Inputs { count: plan.subpass(stage).2.inputs.len() as u32 }
+                SecondSet::Inputs {
+                    count: plan.subpass(stage).2.inputs.len() as u32,
+                    bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
+                }
             }
         };
         let one_light = matches!(pipeline, Pipeline::Light(_));
@@ -129,6 +139,12 @@ impl Family {
         };
         let frame = frame.fold(0, |bits, binding| bits | 1 << binding);
         Self { frame, second, decal_textures, one_light }
+    }
+
+    /// What a pass after the frame's own reads: bits of its samplers' bindings, and whether the camera.
+    pub(in crate::gpu) fn of_post(bindings: u32, camera: bool) -> Self {
+        let frame = if camera { 1 << FRAME } else { 0 };
+        Self { frame, second: SecondSet::Samplers { bindings }, decal_textures: None, one_light: false }
     }
 
     /// Whether its pipelines are told a light by push constant.
@@ -160,8 +176,16 @@ impl Family {
         let second = match self.second {
             SecondSet::Material { textures } => material(textures),
             SecondSet::Nothing => Vec::new(),
-            SecondSet::Inputs { count } => {
-                (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT)).collect()
+            SecondSet::Inputs { count, bloom } => {
+                let inputs = (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT));
+                let scattered = const { shared("BINDING_BLOOM") };
+                inputs
+                    .chain(bloom.then_some((scattered, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT)))
+                    .collect()
+            }
+            SecondSet::Samplers { bindings } => {
+                let bound = (0..u32::BITS).filter(|b| bindings & (1 << b) != 0);
+                bound.map(|b| (b, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT)).collect()
             }
         };
         let third = self.decal_textures.map(material).unwrap_or_default();

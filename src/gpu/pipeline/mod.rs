@@ -16,6 +16,7 @@ pub use parts::PipelineParts;
 use state::{FixedState, VertexInput};
 
 use super::descriptor::Binding;
+use super::post::PostParts;
 use super::shader::{AttachmentPlaces, Shaders};
 use super::{Called, Device, Owned, PipelineCache};
 use crate::Result;
@@ -54,7 +55,8 @@ impl Pipelines {
         let families: Vec<_> =
             plan.pipelines.iter().map(|(stage, pipeline)| Family::of(plan, *stage, pipeline)).collect();
         let mut layouts = BTreeMap::new();
-        for &family in &families {
+        let of_post = plan.post.passes.iter().map(|pass| PostParts::of(plan, pass).family);
+        for family in families.iter().copied().chain(of_post) {
             if let std::collections::btree_map::Entry::Vacant(entry) = layouts.entry(family) {
                 entry.insert(FamilyLayout::new(device, family)?);
             }

@@ -115,6 +115,7 @@ fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
         float: plan.options.output.is_float(),
         background: plan.needs.background,
         fog: plan.needs.fog.filter(|_| applies_fog),
+        bloom: plan.options.bloom,
     }
 }
 

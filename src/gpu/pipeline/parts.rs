@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::super::post::{PostParts, places};
 use super::super::shader::{AttachmentPlaces, Module, Shaders, Specialization, declared, shared_names};
 use super::super::shadow::{caster_bindings, caster_input, caster_modules};
 use super::{Family, VertexInput, modules};
@@ -35,7 +36,7 @@ pub struct PipelineParts {
 }
 
 impl PipelineParts {
-    /// Every pipeline of a plan, those of casters of shadows after the others.
+    /// Every pipeline of a plan, then those of casters of shadows, then those of passes after the frame's own.
     ///
     /// # Errors
     /// As of [`Shaders::new`].
@@ -75,7 +76,24 @@ impl PipelineParts {
                 places: AttachmentPlaces::default(),
             })
         });
-        of_plan.chain(casters).collect()
+        let post = plan.post.kinds().map(|pass| {
+            let PostParts { family, fragment, constants, .. } = PostParts::of(plan, pass);
+            let places = places();
+            let sets: Vec<_> = family.sets().into_iter().filter(|set| !set.is_empty()).collect();
+            Ok(Self {
+                name: pass.name.clone(),
+                shaders: Shaders::new(Module::Fullscreen, Some(fragment), &constants, &places)?,
+                bindings: counts(&sets),
+                attributes: BTreeSet::new(),
+                vertex_bytes: 0,
+                targets: 1,
+                push_constants: false,
+                modules: (Module::Fullscreen, Some(fragment)),
+                specialization: constants,
+                places,
+            })
+        });
+        of_plan.chain(casters).chain(post).collect()
     }
 
     /// The specialisation constants that the shaders would be others without: name, as `ID_*` of `glsl/shared.h`, and value. All

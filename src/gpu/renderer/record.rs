@@ -52,6 +52,7 @@ impl Frame<'_> {
             // SAFETY: the pass is being recorded and its last subpass was entered.
             unsafe { recorder.device().raw().cmd_end_render_pass(recorder.raw()) };
         }
+        self.record_post();
         let last = if config.stage_timestamps { stages } else { 1 };
         queries.timestamp(recorder, slot, last as u32, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
         queries.end_statistics(recorder, slot);

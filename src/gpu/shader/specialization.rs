@@ -4,7 +4,8 @@ use glam::Vec3;
 
 use super::{KIND_COUNT, shared};
 use crate::plan::{
-    Around, Brdf, Channels, DepthStore, Form, GBuffer, Gamma, Normals, ResolveWay, ShadowFilter, Tonemap,
+    Around, BloomWay, Brdf, Channels, DepthStore, Form, GBuffer, Gamma, Normals, ResolveWay, ShadowFilter,
+    Tonemap,
 };
 use crate::scene::Fog;
 
@@ -31,6 +32,15 @@ impl Specialization {
     /// The constant of [`super::Module::LightVolume`]: one of the numbers `VOLUME_*` of `glsl/shared.h`.
     pub fn volume(shape: u32) -> Self {
         Self::from_pairs(&[(const { shared("ID_VOLUME_SHAPE") }, shape)])
+    }
+
+    /// The constants of [`super::Module::Bloom`]: one of the numbers `BLOOM_STEP_*`, and the curve to undo, if any.
+    pub fn bloom(step: u32, displayed: Option<Tonemap>) -> Self {
+        Self::from_pairs(&[
+            (const { shared("ID_BLOOM_STEP") }, step),
+            (const { shared("ID_BLOOM_DISPLAYED") }, displayed.is_some().into()),
+            (const { shared("ID_TONEMAP") }, displayed.map_or(0, curve)),
+        ])
     }
 
     /// The constant of all modules that evaluate reflection.
@@ -214,6 +224,15 @@ impl LightingConstants {
     }
 }
 
+fn curve(tonemap: Tonemap) -> u32 {
+    match tonemap {
+        Tonemap::Neutral => const { shared("TONEMAP_NEUTRAL") },
+        Tonemap::Aces => const { shared("TONEMAP_ACES") },
+        Tonemap::Reinhard => const { shared("TONEMAP_REINHARD") },
+        Tonemap::Linear => const { shared("TONEMAP_LINEAR") },
+    }
+}
+
 fn shadow_filter(filter: ShadowFilter) -> u32 {
     match filter {
         ShadowFilter::Hardware => const { shared("SHADOW_FILTER_HARDWARE") },
@@ -362,22 +381,18 @@ pub struct OutputConstants {
     pub background: Option<[f32; 3]>,
     /// Fog before surfaces.
     pub fog: Option<Fog>,
+    /// Whether scattered light is mixed in, and what is to be scattered stored.
+    pub bloom: BloomWay,
 }
 
 impl OutputConstants {
     /// As ids and values.
     pub fn specialization(&self) -> Specialization {
-        let tonemap = match self.tonemap {
-            Tonemap::Neutral => const { shared("TONEMAP_NEUTRAL") },
-            Tonemap::Aces => const { shared("TONEMAP_ACES") },
-            Tonemap::Reinhard => const { shared("TONEMAP_REINHARD") },
-            Tonemap::Linear => const { shared("TONEMAP_LINEAR") },
-        };
         let [red, green, blue] = self.background.unwrap_or_default().map(f32::to_bits);
         let fog = self.fog.unwrap_or(Fog { color_nt: Vec3::ZERO, density_per_m: 0.0, height: None });
         let (base_m, inverse_height) = fog.height.map_or((0.0, 0.0), |h| (h.base_m, h.scale_m.recip()));
         Specialization::from_pairs(&[
-            (const { shared("ID_TONEMAP") }, tonemap),
+            (const { shared("ID_TONEMAP") }, curve(self.tonemap)),
             (const { shared("ID_DITHER") }, self.dither.into()),
             (const { shared("ID_FLOAT_OUTPUT") }, self.float.into()),
             (const { shared("ID_BACKGROUND") }, self.background.is_some().into()),
@@ -391,6 +406,8 @@ impl OutputConstants {
             (const { shared("ID_FOG_DENSITY") }, fog.density_per_m.to_bits()),
             (const { shared("ID_FOG_BASE") }, base_m.to_bits()),
             (const { shared("ID_FOG_INVERSE_HEIGHT") }, inverse_height.to_bits()),
+            (const { shared("ID_BLOOM") }, (self.bloom != BloomWay::Off).into()),
+            (const { shared("ID_BLOOM_STORED") }, (self.bloom == BloomWay::Store).into()),
         ])
     }
 }

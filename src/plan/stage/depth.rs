@@ -20,7 +20,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
     let one_by_one = way.is_one_by_one();
     let before_sky = needs.sky && needs.triangles > 0;
     let is_read = path == Path::Deferred && needs.lit.is_some() && gbuffer.reads_depth_attachment();
-    if !(needs.triangles > 1 || one_by_one || before_sky || is_read) {
+    if !(needs.triangles > 1 || one_by_one || before_sky || is_read || options.edge_filter) {
         return Depth { resource: None, drawn: None, is_read };
     }
     let stencil = way == LightWay::Stencil;

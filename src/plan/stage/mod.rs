@@ -4,6 +4,7 @@ mod decals;
 mod deferred;
 mod depth;
 mod forward;
+mod post;
 mod samples;
 
 pub(super) use samples::add as multisample;
@@ -26,6 +27,8 @@ pub struct Resource {
     pub clear: Option<[f32; 4]>,
     /// Outlives the frame: the final image, or a G-buffer that is kept to be read back.
     pub kept: bool,
+    /// Passes after the frame's own sample it, neighbours too.
+    pub sampled: bool,
     /// The scene element or the stage that needs it.
     pub why: String,
 }
@@ -114,6 +117,7 @@ impl Frame {
                 samples: 1,
                 clear: None,
                 kept: true,
+                sampled: false,
                 why: "the picture".into(),
             }],
             stages: Vec::new(),
@@ -138,6 +142,7 @@ impl Frame {
             }
         }
         multisample(&mut frame, options.samples);
+        post::add(&mut frame, &asked);
         frame
     }
 
@@ -149,6 +154,7 @@ impl Frame {
             samples: 1,
             clear: target.clear,
             kept,
+            sampled: false,
             why,
         });
         self.resources.len() - 1
@@ -158,12 +164,13 @@ impl Frame {
         self.stages.push(Stage { name, uses: uses.into_iter().collect(), why });
     }
 
-    /// First and last stage that uses the resource; a kept resource lives to the last stage.
+    /// First and last stage that uses the resource; one that outlives the frame's own passes lives to the last stage.
     pub fn lifetime(&self, resource: usize) -> (usize, usize) {
         let uses = |s: &Stage| s.uses.iter().any(|(r, _)| *r == resource);
         let first = self.stages.iter().position(uses).unwrap_or(0);
         let last = self.stages.iter().rposition(uses).unwrap_or(0);
-        (first, if self.resources[resource].kept { self.stages.len() - 1 } else { last })
+        let Resource { kept, sampled, .. } = self.resources[resource];
+        (first, if kept || sampled { self.stages.len() - 1 } else { last })
     }
 }
 
