@@ -4,8 +4,9 @@ mod common;
 
 use common::render::{Gpu, difference, on_device};
 use common::scenes::decal_scenes::{color_decals, decals};
-use ontile::picture::Picture;
-use ontile::picture::Pixels;
+use ontile::glam::{Mat4, Vec3};
+use ontile::gpu::{RendererConfig, View};
+use ontile::picture::{Picture, Pixels};
 use ontile::plan::{Choice, DecalWay, Layout, LightWay, Needs, Options, Plan, Strategy};
 use ontile::scene::{Decal, DecalChannels, Scene};
 

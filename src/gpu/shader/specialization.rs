@@ -1,13 +1,16 @@
 //! Specialisation constants: what a pipeline knows when it is compiled.
 
+mod decals;
+
 use glam::Vec3;
 
 use super::{KIND_COUNT, shared};
 use crate::plan::{
-    Around, BloomWay, Brdf, Channels, DepthStore, Form, GBuffer, Gamma, Normals, ResolveWay, ShadowFilter,
-    Tonemap,
+    Around, BloomWay, Brdf, DepthStore, Form, GBuffer, Gamma, Normals, ResolveWay, ShadowFilter, Tonemap,
 };
 use crate::scene::Fog;
+
+pub use decals::DecalConstants;
 
 /// Values for specialisation constants: `data[i]` is that of constant `ids[i]`.
 ///
@@ -434,31 +437,5 @@ mod tests {
         assert_eq!(value(shared("ID_SLOT_EMISSIVE")) as i32, -1);
         assert_eq!(value(shared("ID_TEXCOORD_BITS")), 0b01100);
         assert_eq!(value(shared("ID_TRANSFORM_BITS")), 0b01001);
-    }
-}
-
-/// Constants of the module that paints decals.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct DecalConstants {
-    /// What this kind of decal paints.
-    pub channels: Channels,
-    /// What some decal of the scene changes: bit n is the target of that number.
-    pub targets: u32,
-    /// Fixed-function blending mixes.
-    pub blended: bool,
-}
-
-impl DecalConstants {
-    /// As ids and values.
-    pub fn specialization(&self) -> Specialization {
-        let Channels { base_color, normal, roughness, metallic } = self.channels;
-        Specialization::from_pairs(&[
-            (const { shared("ID_DECAL_BASE_COLOR") }, base_color.into()),
-            (const { shared("ID_DECAL_NORMAL") }, normal.into()),
-            (const { shared("ID_DECAL_ROUGHNESS") }, roughness.into()),
-            (const { shared("ID_DECAL_METALLIC") }, metallic.into()),
-            (const { shared("ID_DECAL_TARGETS") }, self.targets),
-            (const { shared("ID_DECAL_BLENDED") }, self.blended.into()),
-        ])
     }
 }
