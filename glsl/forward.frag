@@ -1,5 +1,6 @@
 #version 450
-// Lights a material's surface as it is drawn, and writes it to the output.
+// Lights a material's surface as it is drawn, and writes it to the output, or (LIGHT_TARGET) to the light target, over what is there
+// (BLEND) by fixed-function blending.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
@@ -11,17 +12,31 @@
 #include "fog.glsl"
 #include "tonemap.glsl"
 
+layout(constant_id = ID_LIGHT_TARGET) const bool LIGHT_TARGET = false;
+layout(constant_id = ID_FORM) const uint FORM = FORM_METALLIC;
+layout(constant_id = ID_BLEND) const bool BLEND = false;
+
+const bool SPLIT_LIGHT = FORM == FORM_RASA128;
+#include "gbuffer/light_target.glsl"
+
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
 void main() {
     Fragment fragment = surface_at_fragment();
     Surface surface = fragment.surface;
     vec3 light = indirect_light(fragment);
-    light += complete(direct_light(surface, view_direction_world()), surface);
+    if (!UNLIT) {
+        light += complete(direct_light(surface, view_direction_world()), surface);
+    }
     // The fragment's light is complete.
     vec3 exposed_light = light * frame.exposure;
     if (FOG) {
         exposed_light = fogged(exposed_light, surface.position_world);
     }
-    target_output = output_color(exposed_light);
+    if (LIGHT_TARGET) {
+        float alpha = BLEND ? clamp(fragment.alpha, 0.0, 1.0) : 1.0;
+        light_over(vec4(exposed_light * (frame.light_scale * alpha), alpha));
+    } else {
+        target_output = output_color(exposed_light);
+    }
 }

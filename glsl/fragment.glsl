@@ -24,6 +24,7 @@ struct Fragment {
     float metallic;
     vec3 emission;   // cd/m^2
     float occlusion; // the share of light from all around that arrives
+    float alpha;     // not yet clamped
 };
 
 // The shading normal (glTF 2.0, 3.9.3). The tangent frame is used as interpolated, as MikkTSpace requires; a
@@ -52,6 +53,7 @@ Fragment surface_at_fragment() {
 
     Fragment fragment;
     fragment.base_color = base_color.rgb;
+    fragment.alpha = base_color.a;
     fragment.metallic = material.metallic_factor * roughness_metallic.y;
     fragment.surface.position_world = position_world(gl_FragCoord.z);
     fragment.surface.lit = !UNLIT;

@@ -40,6 +40,9 @@ void main() {
     Reflected light = Reflected(vec3(0.0), vec3(0.0));
     if (surface.lit) {
         light = light_of(surface);
+    } else {
+        // What nothing was written to may be no number, and 0 times that is none.
+        surface.diffuse = vec3(0.0);
     }
     // Pixels that are not lit add 0. `discard` would save tilers nothing, since blending stays on the tile, but it
     // makes a fragment's coverage depend on its shader, which costs Mali its early kills and PowerVR its deferral.

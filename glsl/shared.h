@@ -145,12 +145,14 @@
 #define ID_BLOOM_STORED 81
 #define ID_BLOOM_STEP 82
 #define ID_BLOOM_DISPLAYED 83
-#define ID_DECAL_BASE_COLOR 90
-#define ID_DECAL_NORMAL 91
-#define ID_DECAL_ROUGHNESS 92
-#define ID_DECAL_METALLIC 93
-#define ID_DECAL_TARGETS 94
-#define ID_DECAL_BLENDED 95
+#define ID_BLEND 90
+#define ID_TRANSLUCENCY 91
+#define ID_DECAL_BASE_COLOR 100
+#define ID_DECAL_NORMAL 101
+#define ID_DECAL_ROUGHNESS 102
+#define ID_DECAL_METALLIC 103
+#define ID_DECAL_TARGETS 104
+#define ID_DECAL_BLENDED 105
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0

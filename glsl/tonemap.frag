@@ -12,6 +12,8 @@
 
 layout(constant_id = ID_LIGHT_ALPHA) const bool LIGHT_ALPHA = true; // else depth tells surfaces from the background
 
+layout(constant_id = ID_TRANSLUCENCY) const bool TRANSLUCENCY = false; // alpha: how much of the background is covered
+
 layout(set = SET_INPUTS, binding = INPUT_LIGHT, input_attachment_index = INPUT_LIGHT)
     uniform inputAttachment input_light;
 layout(set = SET_INPUTS, binding = INPUT_SPECULAR_LIGHT, input_attachment_index = INPUT_SPECULAR_LIGHT)
@@ -23,7 +25,10 @@ layout(location = TARGET_OUTPUT) out vec4 target_output;
 vec4 summed_light() {
     vec4 light = LIGHT_READ ? gbuffer_read_light(FOG || BACKGROUND) : input_load(input_light);
     if (SPLIT_LIGHT) {
-        light = vec4(light.rgb * gbuffer_read().diffuse, 0.0) + input_load(input_specular_light);
+        // What no light reaches may have been written by nothing.
+        bvec3 dark = equal(light.rgb, vec3(0.0));
+        vec3 diffuse = mix(light.rgb * gbuffer_read().diffuse, vec3(0.0), dark);
+        light = vec4(diffuse, 0.0) + input_load(input_specular_light);
     }
     return light;
 }
@@ -33,12 +38,25 @@ bool is_background(vec4 light) {
     return (LIGHT_ALPHA ? light.a : input_load(input_depth).r) == 0.0;
 }
 
+// The part of the background that is seen: it is a colour of the display, on which what is blended lies as a picture on a page.
+float uncovered(vec4 light, bool is_background) {
+    return TRANSLUCENCY ? 1.0 - light.a : is_background ? 1.0 : 0.0;
+}
+
 vec3 exposed_light_of(vec4 light, bool is_background) {
     vec3 exposed_light = light.rgb / frame.light_scale;
     if (FOG && !is_background) {
         exposed_light = fogged(exposed_light, gbuffer_read().position_world);
     }
     return exposed_light;
+}
+
+// With what bloom takes of the background for light.
+vec3 over_background(vec3 exposed_light, vec4 light, bool is_background) {
+    if (!(BACKGROUND && TRANSLUCENCY)) {
+        return whole_light(exposed_light, is_background);
+    }
+    return BLOOM ? exposed_light + tonemap_inverse(background_color().rgb) * uncovered(light, is_background) : exposed_light;
 }
 
 #ifdef MULTISAMPLED
@@ -58,11 +76,13 @@ void main() {
         input_sample = i;
         vec4 light = summed_light();
         bool is_background = is_background(light);
-        if (BACKGROUND && is_background && !BLOOM) {
-            sum += background_color().rgb;
-            continue;
+        if (BACKGROUND && !BLOOM) {
+            sum += background_color().rgb * uncovered(light, is_background);
+            if (is_background) {
+                continue;
+            }
         }
-        vec3 exposed_light = with_bloom(whole_light(exposed_light_of(light, is_background), is_background));
+        vec3 exposed_light = with_bloom(over_background(exposed_light_of(light, is_background), light, is_background));
         surfaces += 1;
         if (RESOLVE_PLAIN) {
             exposed_sum += exposed_light;
@@ -88,6 +108,12 @@ void main() {
     vec4 light = summed_light();
     bool is_background = is_background(light);
     vec3 exposed_light = exposed_light_of(light, is_background);
+    if (BACKGROUND && TRANSLUCENCY) {
+        vec3 over = output_color(with_bloom(over_background(exposed_light, light, is_background))).rgb;
+        vec3 behind = BLOOM ? vec3(0.0) : background_color().rgb * uncovered(light, is_background);
+        target_output = vec4(over + behind, 1.0);
+        return;
+    }
     target_output = whole_color(exposed_light, is_background);
 }
 

@@ -313,6 +313,7 @@ fn every_constant() -> Specialization {
         float: false,
         background: None,
         fog: None,
+        translucency: false,
         bloom: BloomWay::Off,
     };
     let samples =

@@ -5,6 +5,8 @@ embed![
     "decal.frag",
     "decal.vert",
     "decal_samples.frag",
+    "fog.frag",
+    "fog_samples.frag",
     "forward.frag",
     "fullscreen.vert",
     "geometry.frag",

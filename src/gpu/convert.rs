@@ -13,7 +13,7 @@ pub(super) fn instance(world_from_object: &glam::Mat4) -> InstanceData {
 
 pub(super) fn material(m: &Material) -> MaterialData {
     let cutoff = match m.alpha_mode {
-        AlphaMode::Opaque => 0.0,
+        AlphaMode::Opaque | AlphaMode::Blend => 0.0,
         AlphaMode::Mask { cutoff } => cutoff,
     };
     let rows = |texture: Option<TextureRef>| {

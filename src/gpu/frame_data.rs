@@ -98,7 +98,7 @@ impl FrameData {
         let Everything { objects, lights, light_lists, decals, ambient_nt } = scene;
         let mut uniforms = view.uniforms(plan, size, ambient_nt);
         let clip_from_world = glam::Mat4::from_cols_array_2d(&uniforms.clip_from_world);
-        let sight = Sight::new(&clip_from_world, view.camera.world_from_view.w_axis.truncate());
+        let sight = Sight::new(&clip_from_world, &view.camera.world_from_view);
         let frustum = cull.then_some(&sight.frustum);
         let instances = self.instances.as_mut().map(|b| bytemuck::cast_slice_mut(b.mapped_mut()));
         let instances = instances.unwrap_or_default();

@@ -24,6 +24,8 @@ pub(super) struct Batch {
     pub(super) material_set: usize,
     /// Its part of `Objects::placed`.
     placed: Range<usize>,
+    /// Whether it is laid over what is behind it, object by object.
+    blended: bool,
     /// The part of the instance buffer that holds what of it is seen.
     pub(super) visible: Range<u32>,
     /// Of what is seen.
@@ -65,6 +67,8 @@ pub(super) struct Objects {
     static_moves: u64,
     /// Room for the objects of the largest batch while they are sorted.
     sorted: Vec<u64>,
+    /// What is blended and seen: where it is in the instance buffer, from far to near, and its batch.
+    blended: Vec<(u64, usize)>,
 }
 
 impl Objects {
@@ -83,7 +87,8 @@ impl Objects {
                 let wanted = Pipeline::Surface(kind);
                 let pipeline = plan.pipelines.iter().position(|(_, p)| *p == wanted);
                 let pipeline = pipeline.expect("the plan was made for this scene");
-                (kind.alpha_mask, vertex_streams(&kind), pipeline, mesh.material, instance.mesh, index)
+                let after = (kind.blend, kind.alpha_mask);
+                (after, vertex_streams(&kind), pipeline, mesh.material, instance.mesh, index)
             })
             .collect();
         order.sort_unstable();
@@ -114,6 +119,7 @@ impl Objects {
                     mesh,
                     material_set: 0,
                     placed: first..first + 1,
+                    blended: surface(plan, pipeline).blend,
                     visible: 0..0,
                     distances: Distances::default(),
                 }),
@@ -121,10 +127,13 @@ impl Objects {
         }
         let asked = plan.path == Path::ForwardMultipass && plan.options.illumination_sets;
         let bounds_of_visible = asked.then(|| Vec::with_capacity(placed.len()));
+        let is_blended = |batch: &&Batch| surface(plan, batch.pipeline).blend;
+        let most_blended = batches.iter().filter(is_blended).map(|b| b.placed.len()).sum();
         let largest = batches.iter().map(|b| b.placed.len()).max().unwrap_or_default();
         Self {
             order: DrawOrder::new(&states(plan, &batches)),
             sorted: Vec::with_capacity(largest),
+            blended: Vec::with_capacity(most_blended),
             batches,
             placed,
             bounds_of_visible,
@@ -141,6 +150,11 @@ impl Objects {
     /// All batches.
     pub(super) fn batches(&self) -> &[Batch] {
         &self.batches
+    }
+
+    /// How many draw calls a stage takes at most.
+    pub(super) fn most_runs(&self) -> usize {
+        self.batches.len() + self.blended.capacity()
     }
 
     /// All batches, to give them their materials.
@@ -162,6 +176,20 @@ impl Objects {
     /// within it those of one material.
     pub(super) fn visible_batches(&self) -> impl Iterator<Item = &Batch> {
         self.order.draws().iter().map(|&i| &self.batches[i]).filter(|b| !b.visible.is_empty())
+    }
+
+    /// What is blended, from far to near: runs of visible instances that one draw call can draw.
+    pub(super) fn blended_runs(&self) -> impl Iterator<Item = (&Batch, Range<u32>)> {
+        let mut rest = &self.blended[..];
+        std::iter::from_fn(move || {
+            let &(key, batch) = rest.first()?;
+            let first = sorted_index(key);
+            let follows =
+                |(i, next): (usize, &(u64, usize))| (sorted_index(next.0), next.1) == (first + i, batch);
+            let run = rest.iter().enumerate().take_while(|&next| follows(next)).count();
+            rest = &rest[run..];
+            Some((&self.batches[batch], first as u32..(first + run) as u32))
+        })
     }
 
     /// Moves an element of `Scene::instances`.
@@ -199,8 +227,8 @@ impl Objects {
         self.static_moves
     }
 
-    /// Writes what is in sight, batch by batch without gaps and from near to far in each, and tells each batch where its
-    /// objects are. Without `cull` the others follow in each batch, so that the order of those in sight is the same.
+    /// Writes what is in sight, batch by batch without gaps and from near to far in each (what is blended: from far to near, by
+    /// the centres' depths), and tells each batch where its objects are. Without `cull` the others follow in each batch, so that the order of those in sight is the same.
     /// Returns how many it wrote. `lightmaps` gets their parts of the lightmap, if it is not empty.
     pub(super) fn write_visible(
         &mut self,
@@ -209,15 +237,21 @@ impl Objects {
         out: &mut [InstanceData],
         lightmaps: &mut [[f32; 4]],
     ) -> usize {
-        let Self { batches, order, placed, sorted, bounds_of_visible, .. } = self;
+        let Self { batches, order, placed, sorted, bounds_of_visible, blended, .. } = self;
         let mut end = 0;
+        blended.clear();
         bounds_of_visible.iter_mut().for_each(Vec::clear);
-        for batch in &mut *batches {
+        for (batch_index, batch) in batches.iter_mut().enumerate() {
             batch.distances = Distances::default();
             sorted.clear();
             for index in batch.placed.clone() {
                 let bounds = &placed[index].bounds_world;
-                if !sight.frustum.misses_aabb(bounds) {
+                let seen = !sight.frustum.misses_aabb(bounds);
+                if batch.blended {
+                    if seen || !cull {
+                        sorted.push(far_first(sight.depth(bounds), index));
+                    }
+                } else if seen {
                     let distance_m = sight.distance(bounds);
                     batch.distances.add(distance_m);
                     sorted.push(sort_key(distance_m, index));
@@ -229,6 +263,9 @@ impl Objects {
             let first = end;
             for &key in &*sorted {
                 let object = &placed[sorted_index(key)];
+                if batch.blended {
+                    blended.push(((key & !u64::from(u32::MAX)) | end as u64, batch_index));
+                }
                 out[end] = object.data;
                 bounds_of_visible.iter_mut().for_each(|all| all.push(object.bounds_world));
                 if let Some(lightmap) = lightmaps.get_mut(end) {
@@ -238,9 +275,15 @@ impl Objects {
             }
             batch.visible = first as u32..end as u32;
         }
+        blended.sort_unstable();
         order.sort(|batch| batches[batch].distances);
         end
     }
+}
+
+/// As [`sort_key`], far things first.
+fn far_first(distance_m: f32, index: usize) -> u64 {
+    sort_key(distance_m.max(0.0), index) ^ !u64::from(u32::MAX)
 }
 
 /// What drawing each batch sets, from what to change least often to what costs least.
@@ -252,7 +295,7 @@ fn states(plan: &Plan, batches: &[Batch]) -> Vec<[usize; 4]> {
     let state = |batch: &Batch| {
         let kind = kind(batch);
         let streams = streams.binary_search(&vertex_streams(kind)).unwrap_or_default();
-        [usize::from(kind.alpha_mask), streams, batch.pipeline, batch.material]
+        [usize::from(kind.alpha_mask) + 2 * usize::from(kind.blend), streams, batch.pipeline, batch.material]
     };
     batches.iter().map(state).collect()
 }
@@ -287,7 +330,7 @@ mod tests {
         };
         let plan = Plan::new(Needs::of(&scene), Options::default(), &Limits::default()).unwrap();
         let mut objects = Objects::new(&scene, &plan);
-        let sight = Sight::new(&projection.clip_from_view(1.0), Vec3::ZERO);
+        let sight = Sight::new(&projection.clip_from_view(1.0), &Mat4::IDENTITY);
         let mut out = vec![convert::instance(&Mat4::IDENTITY); objects.count()];
         assert_eq!(objects.write_visible(&sight, true, &mut out, &mut []), 6);
         let drawn = objects.visible_batches().flat_map(|batch| batch.visible.clone());

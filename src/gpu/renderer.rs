@@ -145,7 +145,7 @@ impl Renderer {
         let queries = Queries::new(device, timestamps as u32, slot_count as u32)?;
         let fragments = config
             .count_fragments
-            .then(|| FragmentQueries::new(device, &plan, data.objects().batches().len(), slot_count));
+            .then(|| FragmentQueries::new(device, &plan, data.objects().most_runs(), slot_count));
         Ok(Self {
             upload: Some(upload),
             queries,

@@ -76,13 +76,17 @@ pub enum Module {
     Decal,
     /// [`Self::Decal`] of several samples a pixel.
     DecalSamples,
+    /// Lays fog over surfaces of the G-buffer.
+    Fog,
+    /// [`Self::Fog`] of several samples a pixel.
+    FogSamples,
     /// Spreads light.
     Bloom,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 22] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -100,6 +104,8 @@ impl Module {
         Self::Bloom,
         Self::LightingSamples,
         Self::TonemapSamples,
+        Self::Fog,
+        Self::FogSamples,
         Self::DecalVertex,
         Self::Decal,
         Self::DecalSamples,
@@ -124,6 +130,7 @@ impl Module {
             Self::ShadowCompose => "shadow_compose.frag",
             Self::DecalVertex => "decal.vert",
             Self::Decal | Self::DecalSamples => "decal.frag",
+            Self::Fog | Self::FogSamples => "fog.frag",
             Self::Bloom => "bloom.frag",
         }
     }
@@ -134,6 +141,7 @@ impl Module {
             Self::LightingSamples => "lighting_samples.frag",
             Self::TonemapSamples => "tonemap_samples.frag",
             Self::DecalSamples => "decal_samples.frag",
+            Self::FogSamples => "fog_samples.frag",
             _ => self.source(),
         }
     }
@@ -149,6 +157,7 @@ impl Module {
             Self::Lighting => Self::LightingSamples,
             Self::Tonemap => Self::TonemapSamples,
             Self::Decal => Self::DecalSamples,
+            Self::Fog => Self::FogSamples,
             other => other,
         }
     }

@@ -65,6 +65,20 @@ pub(super) fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) 
     Ok(())
 }
 
+/// Whether the light target holds what blending over a background takes.
+pub(super) fn check_blended(gbuffer: &GBuffer, needs: &Needs) -> crate::Result<()> {
+    let has_alpha = gbuffer.added_light(true).is_none_or(|(light, _)| light.has_alpha());
+    match (&needs.blended, needs.background) {
+        (Some(blended), Some(_)) if !has_alpha => Err(crate::Error::unsupported(
+            format!(
+                "light in b10g11r11 has no room for how much {blended} covers of the background's colour"
+            ),
+            "use --light-target rgba16f",
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// Whether the layout has a place for the light of this frame.
 pub(super) fn check_light(
     gbuffer: &GBuffer,

@@ -148,6 +148,7 @@ fn pass(
             last: after,
         });
     }
+    touches.values().for_each(|touches| dependencies.cover(touches));
     let index_of =
         |resource| attachments.iter().position(|a| a.attachment == place_of(resource)).unwrap_or(0);
     let subpasses = stages
@@ -308,6 +309,22 @@ impl Dependencies {
                     (false, false) => format!("{} is read twice, then dropped or stored", names[0]),
                 };
                 self.add(Some(a.subpass), Some(b.subpass), Access::of(&a.uses), after, why);
+            }
+        }
+    }
+
+    /// Where one subpass waits for another for the sake of one attachment, and both use another attachment with a third subpass
+    /// between them, its writes are ordered by way of the third. They are named here too, since validation layers look at each
+    /// dependency by itself.
+    fn cover(&mut self, touches: &[Touch]) {
+        for (index, a) in touches.iter().enumerate().filter(|(_, a)| a.writes()) {
+            for b in touches.iter().skip(index + 2) {
+                let before = Access::of(&a.uses);
+                let direct = self.0.get_mut(&(Some(a.subpass), Some(b.subpass)));
+                if let Some(direct) = direct.filter(|d| !d.before.is_superset(&before)) {
+                    direct.before.extend(before);
+                    direct.after.extend(Access::of(&b.uses));
+                }
             }
         }
     }

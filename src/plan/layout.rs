@@ -318,6 +318,15 @@ impl GBuffer {
         Self::new(&options).expect("it is complete without choices")
     }
 
+    /// The same with a light target over which surfaces can be blended: where light is in words, or nowhere, half floats. Each
+    /// layer is rounded, so that a target is the one for lights that are added one by one: 10 bits would be cut off at 2 and
+    /// band with every layer.
+    pub(super) fn for_blending(self) -> Self {
+        let (light, split) =
+            self.added_light(true).unwrap_or((LightTarget::new(LightFormat::Rgba16f), false));
+        Self { light: LightPlace::Added { sum: light, one_by_one: light, split }, ..self }
+    }
+
     /// Whether later stages read the depth attachment itself.
     pub fn reads_depth_attachment(&self) -> bool {
         self.form.has_depth() && self.depth != DepthStore::R32f

@@ -322,7 +322,8 @@ impl Plan {
                     1 => format!(" ({})", n.why),
                     instances => format!(" ({instances} instances, first {})", n.why),
                 });
-                format!("surface {kind}{}", why.unwrap_or_default())
+                let what = if kind.blend { "blended surface" } else { "surface" };
+                format!("{what} {kind}{}", why.unwrap_or_default())
             }
             P::Depth(kind) => {
                 let flags = [
@@ -338,6 +339,7 @@ impl Plan {
                 "lighting by what shines everywhere".into()
             }
             P::Lighting => "lighting".into(),
+            P::Fog => "fog".into(),
             P::Sky if self.has_gbuffer() => "sky".into(),
             P::Sky => format!("sky, {} curve", self.options.tonemap),
             P::Decal(kind) => {

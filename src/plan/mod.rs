@@ -39,7 +39,7 @@ mod targets;
 mod tests;
 
 pub(crate) use check::check_size;
-use check::{check_counts, check_dither, check_light, check_shadows};
+use check::{check_blended, check_counts, check_dither, check_light, check_shadows};
 
 pub use access::{Access, Scope, State};
 pub use around::{Around, AroundImage, EnvironmentNeed};
@@ -173,7 +173,9 @@ impl Plan {
         post::check(&options, &needs, path)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
         let gbuffer = GBuffer::new(&options)?;
-        if path == Path::Deferred && needs.lit.is_some() {
+        let gbuffer = if needs.blended.is_some() { gbuffer.for_blending() } else { gbuffer };
+        check_blended(&gbuffer, &needs)?;
+        if path == Path::Deferred && needs.lit_opaque.is_some() {
             check_light(&gbuffer, &needs, &options, light_way, limits)?;
         }
         let (decal_way, decals_why) = decals::resolve(&needs, &options, &gbuffer, limits)?.unzip();
@@ -224,7 +226,13 @@ impl Plan {
 
     /// Whether surfaces are lit after all are known, from a G-buffer.
     pub fn has_gbuffer(&self) -> bool {
-        self.needs.lit.is_some() && self.path == Path::Deferred
+        self.needs.lit_opaque.is_some() && self.path == Path::Deferred
+    }
+
+    /// Whether surfaces of this kind are lit as they are drawn, by all lights at once.
+    pub fn lights_as_drawn(&self, kind: &SurfaceKind) -> bool {
+        let one_by_one = self.path == Path::ForwardMultipass && self.needs.lit_opaque.is_some();
+        kind.blend || !(self.has_gbuffer() || one_by_one)
     }
 
     /// How the radiance of environment and probes is stored, and the edge of the largest level in texels.
@@ -235,7 +243,7 @@ impl Plan {
     /// Whether a light target exists.
     pub fn has_light_target(&self) -> bool {
         let in_gbuffer = self.has_gbuffer() && matches!(self.gbuffer.light, LightPlace::Read(_));
-        self.needs.lit.is_some() && !self.folded && !in_gbuffer
+        (self.needs.lit.is_some() || self.needs.blended.is_some()) && !self.folded && !in_gbuffer
     }
 
     /// What light is summed in, if it is.
@@ -264,6 +272,11 @@ impl Plan {
     /// The number of subpasses in all passes: of stages.
     pub fn stage_count(&self) -> usize {
         self.passes.iter().map(|p| p.subpasses.len()).sum()
+    }
+
+    /// Whether the stage draws what is blended.
+    pub fn is_translucency(&self, stage: usize) -> bool {
+        self.subpass(stage).2.name == stage::TRANSLUCENCY
     }
 
     /// Samples a pixel of what a stage draws to.

@@ -39,6 +39,8 @@ pub struct SurfaceKind {
     pub around: Around,
     /// Whether a lightmap brings its diffuse light.
     pub lightmap: LightmapUse,
+    /// Laid over what is behind, after lighting.
+    pub blend: bool,
 }
 
 impl SurfaceKind {
@@ -58,6 +60,7 @@ impl SurfaceKind {
             emissive,
             around,
             lightmap: kinds.lightmap_of(instance),
+            blend: material.alpha_mode == AlphaMode::Blend,
             ..Self::default()
         };
         let wanted = [
@@ -185,8 +188,12 @@ pub struct KindNeed {
 pub struct Needs {
     /// Kinds of surfaces, in pipeline order.
     pub kinds: Vec<KindNeed>,
-    /// The first lit material, if any: G-buffer and lighting exist for it.
+    /// The first lit material, if any: lights exist for it.
     pub lit: Option<String>,
+    /// The first lit material that is not blended, if any: G-buffer and lighting exist for it.
+    pub lit_opaque: Option<String>,
+    /// The first blended material, if any: translucency and the light target under it exist for it.
+    pub blended: Option<String>,
     /// Why light must be summed before lighting (emission, ambient light, unlit surfaces beside lit ones);
     /// empty if nothing asks for a light target.
     pub prelit: Vec<String>,
@@ -220,6 +227,8 @@ pub struct Needs {
     pub probes: Vec<EnvironmentNeed>,
     /// Triangles drawn; a single one needs no depth test.
     pub triangles: usize,
+    /// How many of these are blended: they hide nothing.
+    pub blended_triangles: usize,
     /// The background, as linear display light, if it is a colour.
     pub background: Option<[f32; 3]>,
     /// Whether the environment is the background.
@@ -228,7 +237,7 @@ pub struct Needs {
     pub lightmap: Option<LightmapNeed>,
     /// Fog, if it changes anything.
     pub fog: Option<Fog>,
-    /// Kinds of decals, in pipeline order; empty where nothing is lit.
+    /// Kinds of decals, in pipeline order; empty where nothing that is not blended is lit.
     pub decals: Vec<DecalNeed>,
 }
 
@@ -270,12 +279,16 @@ impl Needs {
         let kinds: Vec<_> = kinds.into_values().collect();
         let first = |wanted: fn(&SurfaceKind) -> bool| kinds.iter().find(|n| wanted(&n.kind));
         let lit = first(|k| !k.unlit).map(|n| n.why.clone());
+        let lit_opaque = first(|k| !k.unlit && !k.blend).map(|n| n.why.clone());
         let environment = scene.environment.as_ref().filter(|e| !e.is_dark());
         let sky = scene.background == Background::Environment && environment.is_some();
         let environment = environment.filter(|_| lit.is_some() || sky);
         let mut prelit = Vec::new();
-        if lit.is_some() {
-            let mut ask = |wanted, what| prelit.extend(first(wanted).map(|n| format!("{} {what}", n.why)));
+        if lit_opaque.is_some() {
+            let mut ask = |wanted: fn(&SurfaceKind) -> bool, what| {
+                let first = kinds.iter().find(|n| !n.kind.blend && wanted(&n.kind));
+                prelit.extend(first.map(|n| format!("{} {what}", n.why)));
+            };
             ask(|k| k.emissive, "is emissive");
             ask(|k| k.unlit, "is unlit");
             ask(|k| k.around == Around::Ambient, "receives ambient light");
@@ -315,15 +328,23 @@ impl Needs {
             lightmap: first(|k| k.has_lightmap()).and_then(|_| LightmapNeed::of(scene)),
             shadows,
             triangles: scene.triangle_count(),
+            blended: first(|k| k.blend).map(|n| n.why.clone()),
+            blended_triangles: scene.triangles_of(|instance| scene.is_blended(instance)),
             background: match scene.background {
                 Background::Color(color) => Some(color.to_array()),
                 Background::Black | Background::Environment => None,
             },
             fog: scene.fog.filter(|fog| fog.density_per_m > 0.0 && !kinds.is_empty()),
-            decals: if lit.is_some() { decals::of(scene) } else { Vec::new() },
+            decals: if lit_opaque.is_some() { decals::of(scene) } else { Vec::new() },
             lit,
+            lit_opaque,
             kinds,
         }
+    }
+
+    /// Triangles that hide what is behind them.
+    pub fn opaque_triangles(&self) -> usize {
+        self.triangles - self.blended_triangles
     }
 }
 

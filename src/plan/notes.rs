@@ -13,6 +13,7 @@ pub(super) fn of(
     folded: bool,
 ) -> Vec<String> {
     let mut notes = Vec::new();
+    notes.extend(translucency(needs, gbuffer));
     if options.depth_prepass && needs.triangles <= 1 {
         notes.push("no triangle hides another: no depth test, so no depth pre-pass".into());
     }
@@ -29,7 +30,7 @@ pub(super) fn of(
     if needs.lit.is_none() {
         notes.push("nothing is lit: no G-buffer, no lighting, no light target".into());
     } else if path == Path::Forward {
-        notes.extend(path::notes(options, path));
+        notes.extend(path::notes(options, path, folded));
     } else if folded && !needs.prelit.is_empty() {
         notes.push("one stage adds all light and applies the tone curve: nothing is blended".into());
     } else if folded {
@@ -51,7 +52,7 @@ pub(super) fn of(
             );
         }
         notes.extend(light.map(|l| format!("the light target holds exposed light up to {}", l.range)));
-        notes.extend(path::notes(options, path));
+        notes.extend(path::notes(options, path, folded));
         if !options.recycle {
             notes.push("recycling is off: every resource has an attachment of its own".into());
         } else if path == Path::Deferred && options.samples == 1 && !attachments[0].name.contains('/') {
@@ -70,11 +71,27 @@ pub(super) fn of(
     notes
 }
 
+/// What blended surfaces make of the frame.
+fn translucency(needs: &Needs, gbuffer: &GBuffer) -> Option<String> {
+    let (blended, (light, _)) = (needs.blended.as_ref()?, gbuffer.added_light(true)?);
+    Some(format!(
+        "{blended} is blended: objects from far to near by their centres, the triangles of one in the order of its mesh; the light \
+         target is {}, since every layer over it is rounded; what is blended casts no shadow",
+        light.target.format
+    ))
+}
+
 /// What a chosen light target costs where lights are added to it one by one: each sum is rounded, so that what a dim light adds may
 /// be lost (half floats keep 93 % of 1024 such lights, these formats nearly nothing: `ontile stability`).
 pub(super) fn warning(needs: &Needs, options: &Options, path: Path, way: LightWay) -> Option<String> {
     let one_by_one = path == Path::ForwardMultipass || (path == Path::Deferred && way.is_one_by_one());
     let coarse = matches!(options.light_target, Some(LightFormat::Rgb10a2 | LightFormat::B10g11r11));
+    if coarse && needs.blended.is_some() {
+        return Some(
+            "the chosen light target is rounded after each layer of what is blended: leave --light-target out for half floats"
+                .into(),
+        );
+    }
     (one_by_one && coarse && needs.local_lights() > 1).then(|| {
         "the chosen light target is rounded after each light, and dim ones among many are lost: leave --light-target out for half \
          floats, or use --lights clusters"

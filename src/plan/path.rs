@@ -19,11 +19,13 @@ const MOST_FOR_FORWARD_IN_MEMORY: f32 = 20.0;
 /// [`Error::Unsupported`] if a G-buffer is to be kept on a path that has none.
 pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Result<(Path, Option<String>)> {
     let no_lights = needs.listed_lights() == 0;
+    let only_blended = needs.lit.is_some() && needs.lit_opaque.is_none();
     let wants_gbuffer = options.keep_gbuffer || options.edge_filter || options.bloom != BloomWay::Off;
     let (path, why) = match options.path {
         Path::Auto if !needs.decals.is_empty() => {
             (Path::Deferred, Some("path: deferred, since decals are painted over its G-buffer".into()))
         }
+        _ if only_blended => (Path::Forward, Some("path: forward, since all that is lit is blended".into())),
         Path::Auto if options.keep_gbuffer => {
             (Path::Deferred, Some("path: deferred, since its G-buffer is to be kept".into()))
         }
@@ -64,7 +66,7 @@ pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Resu
             "use --path deferred or auto, or take the decals out of the scene",
         ));
     }
-    if path != Path::Deferred && options.keep_gbuffer {
+    if path != Path::Deferred && options.keep_gbuffer && !only_blended {
         return Err(Error::unsupported(
             format!("the path {path} has no G-buffer that could be kept"),
             "choose the path deferred, or leave `keep_gbuffer` out",
@@ -95,12 +97,15 @@ fn choose(lights: f32, strategy: Strategy, limits: &Limits) -> (Path, String) {
 }
 
 /// What a forward path makes of the options that are meant for deferred shading.
-pub(super) fn notes(options: &Options, path: Path) -> Vec<String> {
+pub(super) fn notes(options: &Options, path: Path, folded: bool) -> Vec<String> {
     let Options { layout, lights, .. } = options;
     match path {
         Path::Deferred | Path::Auto => Vec::new(),
-        Path::Forward => vec![format!(
+        Path::Forward if folded => vec![format!(
             "surfaces are lit as they are drawn: no G-buffer (the layout {layout} is not used), no light target"
+        )],
+        Path::Forward => vec![format!(
+            "surfaces are lit as they are drawn: no G-buffer, and of the layout {layout} only the light target is used"
         )],
         Path::ForwardMultipass => {
             let sets = if options.illumination_sets {

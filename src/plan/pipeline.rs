@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::stage::Frame;
+use super::stage::{Frame, TRANSLUCENCY, Use};
 use super::{DecalKind, LightWay, Needs, SurfaceKind, VolumeShape, lights};
 
 /// A graphics pipeline that a frame needs.
@@ -30,6 +30,8 @@ pub enum Pipeline {
     Tonemap,
     /// Paints decals of one kind over the G-buffer.
     Decal(DecalKind),
+    /// Lays fog over what the G-buffer holds, before blended surfaces are drawn.
+    Fog,
 }
 
 impl Pipeline {
@@ -42,7 +44,7 @@ impl Pipeline {
     pub fn draws(&self, kind: &SurfaceKind) -> bool {
         match self {
             Self::Surface(own) | Self::Light(own) => own == kind,
-            Self::Depth(own) => *own == kind.depth(),
+            Self::Depth(own) => !kind.blend && *own == kind.depth(),
             _ => false,
         }
     }
@@ -51,13 +53,14 @@ impl Pipeline {
 /// Those that draw a frame, with the stage they belong to, in order of drawing.
 pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pipeline)> {
     let stage = |name| frame.stages.iter().position(|s| s.name == name);
-    let depths: BTreeSet<_> = needs.kinds.iter().map(|n| n.kind.depth()).collect();
+    let opaque = || needs.kinds.iter().filter(|n| !n.kind.blend);
+    let depths: BTreeSet<_> = opaque().map(|n| n.kind.depth()).collect();
     let depths =
         stage("depth").into_iter().flat_map(|s| depths.iter().map(move |&k| (s, Pipeline::Depth(k))));
     let surface = stage("geometry").or(stage("forward")).unwrap_or(0);
-    let surfaces = needs.kinds.iter().map(|n| (surface, Pipeline::Surface(n.kind)));
+    let surfaces = opaque().map(|n| (surface, Pipeline::Surface(n.kind)));
     let lights = stage("lights").into_iter().flat_map(|s| {
-        let lit = needs.kinds.iter().filter(|n| !n.kind.unlit);
+        let lit = opaque().filter(|n| !n.kind.unlit);
         lit.map(move |n| (s, Pipeline::Light(n.kind)))
     });
     let lighting =
@@ -67,5 +70,12 @@ pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pip
     let decals = stage("decals")
         .into_iter()
         .flat_map(|s| needs.decals.iter().map(move |n| (s, Pipeline::Decal(n.kind))));
-    depths.chain(surfaces).chain(sky).chain(decals).chain(lights).chain(lighting).chain(tonemap).collect()
+    let translucency = stage(TRANSLUCENCY).into_iter().flat_map(|s| {
+        let has_inputs = frame.stages[s].uses.iter().any(|(_, how)| *how == Use::Read);
+        let fog = (needs.fog.is_some() && has_inputs).then_some((s, Pipeline::Fog));
+        let blended = needs.kinds.iter().filter(|n| n.kind.blend);
+        fog.into_iter().chain(blended.map(move |n| (s, Pipeline::Surface(n.kind))))
+    });
+    let shaded = depths.chain(surfaces).chain(sky).chain(decals).chain(lights).chain(lighting);
+    shaded.chain(translucency).chain(tonemap).collect()
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use super::{Load, Pass, Path, Plan, Store, verdicts};
+use super::{Load, Pass, Path, Plan, Store, stage, verdicts};
 use crate::visible::ShadowShape;
 
 impl Display for Plan {
@@ -133,6 +133,7 @@ impl Plan {
             }
             let blend = match (s.blend, s.ordered, s.barriers) {
                 (true, ..) if s.name == "decals" => " (mixed)",
+                (true, ..) if s.name == stage::TRANSLUCENCY => " (blended)",
                 (true, ..) => " (added)",
                 (_, true, _) => " (each fragment over what it has read, in order)",
                 (_, _, true) => " (over what is read, with barriers between draws that overlap)",

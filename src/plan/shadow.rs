@@ -50,7 +50,7 @@ pub struct CasterMask {
 }
 
 impl CasterKind {
-    /// Of a surface; `None` if a mask cuts all of it.
+    /// Of a surface; `None` if a mask cuts all of it, or it is blended over what is behind it.
     pub fn new(kind: &SurfaceKind, material: &Material) -> Option<Self> {
         let mask = CasterMask {
             textured: kind.samples(0),
@@ -62,6 +62,7 @@ impl CasterKind {
         let mask = match material.alpha_mode {
             AlphaMode::Mask { .. } if mask.textured || mask.vertex_color => Some(mask),
             AlphaMode::Mask { cutoff } if material.base_color_factor.w < cutoff => return None,
+            AlphaMode::Blend => return None,
             _ => None,
         };
         Some(Self { mask, double_sided: kind.double_sided, mirrored: kind.mirrored })

@@ -9,6 +9,7 @@ use super::around::{Around, Method};
 use super::decals::Painter;
 use super::fog::fogged;
 use super::gbuffer::{Attributes, attributes, interpolate};
+use super::layers::{Blended, Layer, over};
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
 use super::shade::reflected_parts;
 use super::shadow::Occlusion;
@@ -157,6 +158,7 @@ pub fn render(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
 pub struct Tracer<'a> {
     scene: &'a Scene,
     visibility: Visibility<'a>,
+    blended: Option<Blended<'a>>,
     around: Around<'a>,
     decals: Painter<'a>,
 }
@@ -170,7 +172,13 @@ impl<'a> Tracer<'a> {
     pub fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let around = Around::new(scene, settings.around).with_lightmap(scene, settings.lightmap);
         let around = around.with_brdf(settings.brdf);
-        Self { scene, visibility: Visibility::new(scene), around, decals: Painter::new(scene) }
+        Self {
+            scene,
+            visibility: Visibility::new(scene),
+            blended: Blended::new(scene),
+            around,
+            decals: Painter::new(scene),
+        }
     }
 
     /// As [`render`].
@@ -179,16 +187,31 @@ impl<'a> Tracer<'a> {
     /// If an index within the scene is out of range.
     pub fn render(&self, camera: &Camera, settings: &Settings) -> Frame {
         let view = settings.view(camera);
-        let Tracer { scene, visibility, around, decals } = self;
+        let Tracer { scene, visibility, blended, around, decals } = self;
         let occlusion = Occlusion::new(scene, visibility);
         let occlusion = settings.shadows.then_some(&occlusion);
         let [width, height] = settings.size;
 
         let centers = Lattice::trace(visibility, &view, [width, height], 0.5);
         let corners = Lattice::trace(visibility, &view, [width + 1, height + 1], 0.0);
+        let blended = blended.as_ref().map(|blended| {
+            let trace = |size, start_px| blended.trace(visibility, &view, size, start_px);
+            (blended, trace([width, height], 0.5), trace([width + 1, height + 1], 0.0))
+        });
         let pixels = (0..width * height).into_par_iter().map(|index| {
             let (x, y) = (index % width, index / width);
-            let edge = is_edge(visibility, &view, &centers, &corners, x, y);
+            let mut edge = is_edge(visibility, &view, &centers, &corners, x, y);
+            let mut layers = Vec::new();
+            if let Some((blended, centers, corners)) = &blended {
+                edge = edge || blended.is_edge(visibility, &view, [centers, corners], [x, y]);
+                layers.extend(centers.at(x, y).iter().map(|hit| {
+                    let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
+                    let exact = attributes(blended.visibility(), around, &view, position_world, hit);
+                    let own = Settings { gbuffer: None, ..settings.clone() };
+                    let shaded = finish(scene, (&view, [x, y]), &own, occlusion, exact, exact.prelit, &[]);
+                    Layer { light: shaded.linear, alpha: blended.alpha(hit) }
+                }));
+            }
             let Some(hit) = centers.at(x, y) else {
                 let sky = match scene.background {
                     Background::Environment => {
@@ -198,7 +221,7 @@ impl<'a> Tracer<'a> {
                 };
                 return Pixel {
                     edge,
-                    ..finish(scene, (&view, [x, y]), settings, None, Attributes::default(), sky)
+                    ..finish(scene, (&view, [x, y]), settings, None, Attributes::default(), sky, &layers)
                 };
             };
             let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
@@ -212,7 +235,8 @@ impl<'a> Tracer<'a> {
             let edge = edge || decals.is_at_edge(position_world);
             let prelit = if settings.stores_prelit() { surface.prelit } else { exact.prelit };
             let surface = Attributes { prelit, ..surface };
-            Pixel { edge, ..finish(scene, (&view, [x, y]), settings, occlusion, surface, prelit) }
+            let pixel = [x, y];
+            Pixel { edge, ..finish(scene, (&view, pixel), settings, occlusion, surface, prelit, &layers) }
         });
         Frame { size: settings.size, pixels: pixels.collect() }
     }
@@ -220,7 +244,7 @@ impl<'a> Tracer<'a> {
 
 /// Shades a G-buffer that a renderer wrote, rows from the top: what its lighting and tonemap should have made of
 /// it, whatever its rasteriser and its texture filter did. `settings.gbuffer` says what it is (`None`
-/// counts as `exact`); [`Stored::light`] counts only with a light target, and is
+/// counts as `exact`); what is blended over it is left out; [`Stored::light`] counts only with a light target, and is
 /// what geometry wrote, before any light was added. [`Pixel::edge`] is always false.
 ///
 /// # Panics
@@ -240,12 +264,12 @@ pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffe
         let light = if settings.light_target { stored.light } else { DVec3::ZERO };
         let surface = decode(layout, &Stored { light, ..*stored }, &view, pixel, light_factor);
         let prelit = surface.prelit;
-        finish(scene, (&view, pixel), settings, occlusion.as_ref(), surface, prelit)
+        finish(scene, (&view, pixel), settings, occlusion.as_ref(), surface, prelit, &[])
     });
     Frame { size: settings.size, pixels: pixels.collect() }
 }
 
-/// Adds the lights' reflection to `prelit`, then fog, and applies the curve. The viewer is where the pixel's ray comes from, also
+/// Adds the lights' reflection to `prelit`, then fog, then what is blended over it, and applies the curve. The viewer is where the pixel's ray comes from, also
 /// where a stored position is beside it.
 fn finish(
     scene: &Scene,
@@ -254,6 +278,7 @@ fn finish(
     occlusion: Option<&Occlusion>,
     attributes: Attributes,
     prelit: DVec3,
+    layers: &[Layer],
 ) -> Pixel {
     let shadowed = Cell::new(0_u64);
     let hidden = |light: usize, to_light| {
@@ -287,11 +312,22 @@ fn finish(
         }
         _ => linear,
     };
+    let (linear, over_it) = over(linear, layers);
     let display = match scene.background {
-        Background::Color(color) if !covered => color.as_dvec3(),
+        // A colour of the display: what is blended lies over it as a picture on a page.
+        Background::Color(color) if !covered => {
+            tonemap(settings.tonemap, linear) + color.as_dvec3() * (1.0 - over_it)
+        }
         _ => tonemap(settings.tonemap, linear),
     };
-    Pixel { covered, linear, display, attributes, shadowed: shadowed.get(), ..Pixel::default() }
+    Pixel {
+        covered: covered || over_it > 0.0,
+        linear,
+        display,
+        attributes,
+        shadowed: shadowed.get(),
+        ..Pixel::default()
+    }
 }
 
 /// Hits on a regular grid, one pixel apart.
@@ -334,7 +370,7 @@ impl Lattice {
 
 /// How far from a centre a rasteriser's edge may be: half a step of Vulkan's least `subPixelPrecisionBits`, 4,
 /// along each axis, for both ends of an edge.
-const SNAP_PX: f64 = 1.0 / 16.0;
+pub(super) const SNAP_PX: f64 = 1.0 / 16.0;
 
 /// Whether anything in the 3x3 neighbourhood of centres and the pixel's corners differs in kind, or anything
 /// within [`SNAP_PX`] differs measurably.
@@ -370,7 +406,7 @@ fn is_edge(
 
 /// Whether two hits about a pixel apart belong to different instances, or to parts of one surface that are not
 /// side by side: one lies more than 30 degrees off the other's plane.
-fn is_torn(visibility: &Visibility, (ray_a, a): (&Ray, &Hit), (ray_b, b): (&Ray, &Hit)) -> bool {
+pub(super) fn is_torn(visibility: &Visibility, (ray_a, a): (&Ray, &Hit), (ray_b, b): (&Ray, &Hit)) -> bool {
     const MAX_SINE: f64 = 0.5;
     if a.triangle == b.triangle {
         return false;
@@ -384,7 +420,7 @@ fn is_torn(visibility: &Visibility, (ray_a, a): (&Ray, &Hit), (ray_b, b): (&Ray,
 }
 
 /// Whether the surface at `b` differs from what `a`'s triangle, extrapolated to the same ray, would show there.
-fn is_creased(visibility: &Visibility, a: &Hit, ray_b: &Ray, b: &Hit) -> bool {
+pub(super) fn is_creased(visibility: &Visibility, a: &Hit, ray_b: &Ray, b: &Hit) -> bool {
     /// Differences that change the shading by less than about one part in a thousand, next to the shading's own
     /// slope over `SNAP_PX`.
     const MAX_STEP: f64 = 2e-3;

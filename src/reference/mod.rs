@@ -29,6 +29,7 @@ pub mod fog;
 pub mod frame;
 pub mod gbuffer;
 pub mod globe;
+mod layers;
 pub mod lightmap;
 pub mod path;
 pub mod punctual;

@@ -50,7 +50,8 @@ pub struct Hit {
 }
 
 impl<'a> Visibility<'a> {
-    /// Transforms every triangle of every instance to world space.
+    /// Transforms every triangle of every instance to world space, but for those that are blended: they hide nothing
+    /// ([`Self::blended`]).
     ///
     /// # Panics
     /// If an index within the scene is out of range.
@@ -63,6 +64,18 @@ impl<'a> Visibility<'a> {
     /// # Panics
     /// If an index within the scene is out of range.
     pub fn of(scene: &'a Scene, wanted: impl Fn(&Instance) -> bool) -> Self {
+        Self::with(scene, |instance| !scene.is_blended(instance) && wanted(instance))
+    }
+
+    /// Of what is blended alone.
+    ///
+    /// # Panics
+    /// If an index within the scene is out of range.
+    pub fn blended(scene: &'a Scene) -> Self {
+        Self::with(scene, |instance| scene.is_blended(instance))
+    }
+
+    fn with(scene: &'a Scene, wanted: impl Fn(&Instance) -> bool) -> Self {
         let placements: Vec<_> =
             scene.instances.iter().map(|i| Placement::new(i.world_from_object.as_dmat4())).collect();
         let mut triangles = Vec::with_capacity(scene.triangle_count());
@@ -71,7 +84,7 @@ impl<'a> Visibility<'a> {
             let mesh = &scene.meshes[instance.mesh];
             let material = &scene.materials[mesh.material];
             let alpha_cutoff = match material.alpha_mode {
-                AlphaMode::Opaque => None,
+                AlphaMode::Opaque | AlphaMode::Blend => None,
                 AlphaMode::Mask { cutoff } => Some(cutoff),
             };
             triangles.extend(mesh.indices.chunks_exact(3).map(|chunk| {
@@ -102,6 +115,18 @@ impl<'a> Visibility<'a> {
     /// As [`Self::trace`], but sides that are never drawn stop the ray too.
     pub fn trace_solid(&self, ray: &Ray) -> Option<Hit> {
         self.nearest(ray, |_| true)
+    }
+
+    /// All triangles that the ray meets nearer than `end`, from near to far; of equally near ones the last drawn is nearest.
+    pub fn trace_all(&self, ray: &Ray, end: f64) -> Vec<Hit> {
+        let prepared = Sheared::new(ray);
+        let mut all = Vec::new();
+        self.bvh.traverse(ray, |item| {
+            all.extend(self.candidate(&prepared, ray, item, |hit| self.is_drawn(hit) && hit.distance < end));
+            ray.range[1]
+        });
+        all.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(b.triangle.cmp(&a.triangle)));
+        all
     }
 
     /// Whether [`Self::trace_solid`] meets anything.

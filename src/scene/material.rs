@@ -70,6 +70,9 @@ pub enum AlphaMode {
         /// Compared with the product of factor, texture and vertex alpha.
         cutoff: f32,
     },
+    /// Alpha is coverage: the surface's light is laid over what is behind, as much of it as alpha says ("over", Porter and Duff
+    /// 1984). Such surfaces receive shadows and cast none, since a depth cannot hold a part of a shadow.
+    Blend,
 }
 
 /// A texture as one material slot uses it.

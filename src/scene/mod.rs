@@ -102,6 +102,11 @@ impl Scene {
         self.instances.iter().filter(|i| self.is_drawn(i))
     }
 
+    /// Whether an instance's material is blended over what is behind it ([`AlphaMode::Blend`]).
+    pub(crate) fn is_blended(&self, instance: &Instance) -> bool {
+        self.materials[self.meshes[instance.mesh].material].alpha_mode == AlphaMode::Blend
+    }
+
     /// Whether an instance has triangles to draw.
     pub(crate) fn is_drawn(&self, instance: &Instance) -> bool {
         !self.meshes[instance.mesh].indices.is_empty()
@@ -109,7 +114,13 @@ impl Scene {
 
     /// The number of triangles that one frame draws, instances counted.
     pub fn triangle_count(&self) -> usize {
-        self.instances.iter().map(|i| self.meshes[i.mesh].indices.len() / 3).sum()
+        self.triangles_of(|_| true)
+    }
+
+    /// The number of triangles of some of the instances.
+    pub(crate) fn triangles_of(&self, wanted: impl Fn(&Instance) -> bool) -> usize {
+        let wanted = self.instances.iter().filter(|i| wanted(i));
+        wanted.map(|i| self.meshes[i.mesh].indices.len() / 3).sum()
     }
 
     /// The camera with this index or name.

@@ -18,6 +18,9 @@ pub mod decal_scenes;
 #[path = "shadow_scenes.rs"]
 pub mod shadow_scenes;
 
+#[path = "glass_scenes.rs"]
+pub mod glass_scenes;
+
 /// The scenes that the repository ships, loaded as the program does, in order of name.
 ///
 /// # Panics
@@ -98,6 +101,7 @@ pub fn built() -> Vec<Scene> {
         decal_scenes::color_decals(),
     ];
     all.extend(environments::all());
+    all.extend(glass_scenes::all());
     all
 }
 

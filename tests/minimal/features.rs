@@ -29,6 +29,8 @@ pub fn objects(scene: &Scene, options: &Options) -> Objects {
             "tonemap",
             "sky",
             "decal",
+            "fog",
+            "blended surface",
         ];
         let known = sorts.iter().chain(&["depth"]).find(|sort| pipeline.starts_with(*sort));
         known.unwrap_or_else(|| panic!("{pipeline}")).to_string()

@@ -349,6 +349,21 @@ pub const OF_LIT: &[Feature] = &[
           surface unlit: binding instances, surface unlit: binding material, surface unlit: UNLIT, surface unlit: LIGHT_TARGET, surface unlit: DEPTH_TARGET",
         ],
     ),
+    summed(
+        "a blended neighbour",
+        |s| {
+            let alpha_mode = AlphaMode::Blend;
+            neighbour(s, Material { unlit: true, alpha_mode, name: "film".into(), ..Material::default() });
+            s.instances
+                .push(Instance::new(s.meshes.len() - 1, Mat4::from_translation(Vec3::new(0.2, 1.0, -0.5))));
+        },
+        &[
+            SUMMED,
+            "attachment depth_test, subpass translucency, pipeline blended surface, blended surface: attribute position, \
+          blended surface: binding frame, blended surface: binding instances, blended surface: binding material, \
+          blended surface: UNLIT, blended surface: BLEND, blended surface: LIGHT_TARGET",
+        ],
+    ),
 ];
 
 /// What two features bring that neither has by itself.
@@ -360,8 +375,15 @@ struct Joint {
 }
 
 const AROUND: &[&str] = &["ambient light", "an environment", "probes"];
-const SUMMING: &[&str] =
-    &["emission", "ambient light", "an environment", "probes", "a lightmap", "an unlit neighbour"];
+const SUMMING: &[&str] = &[
+    "emission",
+    "ambient light",
+    "an environment",
+    "probes",
+    "a lightmap",
+    "an unlit neighbour",
+    "a blended neighbour",
+];
 const SHADOWED: &str = "lighting: binding shadow, lighting: SHADOWS, image shadow map, buffer shadow views, buffer casters, \
                         pipeline shadow, shadow caster:";
 
@@ -382,6 +404,9 @@ const JOINT: &[Joint] = &[
     // What is summed is fogged, and tells surfaces from background, afterwards.
     Joint { of: [&["fog"], SUMMING], objects: "tonemap: FOG, tonemap: input depth" },
     Joint { of: [&["background colour"], SUMMING], objects: "tonemap: BACKGROUND" },
+    // What is fogged before something is blended over it; and the part of a colour that it covers.
+    Joint { of: [&["fog"], &["a blended neighbour"]], objects: "pipeline fog, fog:, blended surface: FOG" },
+    Joint { of: [&["background colour"], &["a blended neighbour"]], objects: "tonemap: TRANSLUCENCY" },
     // Beyond the boxes.
     Joint { of: [&["an environment"], &["probes"]], objects: "surface lit: HAS_ENVIRONMENT" },
 ];

@@ -56,7 +56,10 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
     };
     let is_drawn = any(&|_, _| true);
     let lit = any(&|_, material| !material.unlit);
-    let unlit = any(&|_, material| material.unlit);
+    let is_blended = |material: &Material| material.alpha_mode == AlphaMode::Blend;
+    let blended = any(&|_, material| is_blended(material));
+    let lit_opaque = any(&|_, material| !material.unlit && !is_blended(material));
+    let unlit = any(&|_, material| material.unlit && !is_blended(material));
     let slot = |slot: usize| any(&|mesh, material| textures(scene, mesh, material)[slot].is_some());
     let texture = |wanted: fn(&TextureRef) -> bool| {
         any(&|mesh, material| textures(scene, mesh, material).iter().flatten().any(wanted))
@@ -74,8 +77,10 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
     });
     let lights = directional || local || hemisphere;
     let triangles: usize = drawn(scene).map(|(mesh, _)| mesh.indices.len() / 3).sum();
-    let hides = triangles > 1;
-    let shadow = hides && shining().any(|light| light.shadow.is_some());
+    let opaque = drawn(scene).filter(|(_, material)| !is_blended(material));
+    let opaque: usize = opaque.map(|(mesh, _)| mesh.indices.len() / 3).sum();
+    let hides = opaque > 1 || (opaque == 1 && blended);
+    let shadow = opaque > 0 && triangles > 1 && shining().any(|light| light.shadow.is_some());
     let moves = scene.instances.iter().any(|instance| instance.dynamic);
     let globe = shining().any(|light| light.globe_map.is_some());
     let sky = has_sky_light(scene) && scene.background == Background::Environment;
@@ -83,6 +88,8 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
     let environment = lit && has_sky_light(scene);
     let probes = lit && !scene.probes.is_empty();
     let lightmap = lit && scene.lightmap.is_some() && scene.instances.iter().any(|i| i.lightmap.is_some());
+    let deferred = lit_opaque && lights;
+    let summed = blended || (deferred && (glows || unlit || around || lightmap || sky));
     let summed = lit && lights && (glows || unlit || around || lightmap || sky);
     let paints = |channel: fn(&Decal, &Material) -> bool| lit && painted(scene).any(|(d, m)| channel(d, m));
     let decals = paints(|_, _| true);
@@ -90,24 +97,34 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
     let fog = is_drawn && scene.fog.is_some_and(|fog| fog.density_per_m > 0.0);
     vec![
         ("attachment output", true),
-        ("attachment depth_test", hides || (sky && is_drawn)),
-        ("attachment depth", lit && lights),
-        ("attachment normal_roughness", lit && lights),
-        ("attachment base_metallic", lit && lights),
+        ("attachment depth_test", hides || (sky && opaque > 0)),
+        ("attachment depth", deferred),
+        ("attachment normal_roughness", deferred),
+        ("attachment base_metallic", deferred),
         ("attachment light", summed),
         ("subpass geometry", true),
-        ("subpass forward", lit && !lights),
-        ("subpass lighting", lit && lights),
+        ("subpass forward", lit && !deferred),
+        ("subpass lighting", deferred),
         ("subpass tonemap", summed),
         ("pipeline surface unlit", unlit),
-        ("pipeline surface lit", lit),
-        ("pipeline lighting", lit && lights),
+        ("pipeline surface lit", lit_opaque),
+        ("pipeline lighting", deferred),
         ("pipeline tonemap", summed),
         ("pipeline sky", sky),
+        ("subpass translucency", blended),
+        ("pipeline blended surface", blended),
+        ("blended surface:", blended),
+        ("blended surface: UNLIT", any(&|_, material| material.unlit && is_blended(material))),
+        ("blended surface: binding lights", directional || local),
+        ("blended surface: binding light lists", local),
+        ("blended surface: binding shadow", shadow),
+        ("blended surface: FOG", fog),
+        ("pipeline fog", fog && blended && deferred),
+        ("fog:", fog && blended && deferred),
         ("pipeline shadow", shadow),
         ("pipeline shadow compose", shadow && moves),
         ("surface unlit:", unlit),
-        ("surface unlit: UNLIT", unlit && lit),
+        ("surface unlit: UNLIT", unlit && (lit || blended)),
         ("surface unlit: binding radiance", false),
         ("surface unlit: attribute normal", false),
         ("surface unlit: attribute tangent", false),
@@ -121,7 +138,7 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("surface unlit: ALPHA_MASK", masked),
         ("surface unlit: FOG", fog),
         ("surface unlit: LIGHT_TARGET", summed),
-        ("surface lit:", lit),
+        ("surface lit:", lit_opaque),
         ("surface lit: attribute colour", colored),
         ("surface lit: attribute tangent", slot(2)),
         ("surface lit: attribute texture coordinates", textured || lightmap),
@@ -131,7 +148,7 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("surface lit: binding radiance", environment || probes),
         ("surface lit: binding probes", probes),
         ("surface lit: binding lightmap", lightmap),
-        ("surface lit: binding lights", !lights),
+        ("surface lit: binding lights", !deferred),
         ("surface lit: SLOT_BASE_COLOR", slot(0)),
         ("surface lit: SLOT_METALLIC_ROUGHNESS", slot(1)),
         ("surface lit: SLOT_NORMAL", slot(2)),
@@ -150,8 +167,8 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("surface lit: HAS_ENVIRONMENT", probes && environment),
         ("surface lit: LIGHTMAP", lightmap),
         ("surface lit: LIGHT_TARGET", summed),
-        ("surface lit: FOG", fog && !lights),
-        ("lighting:", lights),
+        ("surface lit: FOG", fog && !deferred),
+        ("lighting:", deferred),
         ("lighting: binding lights", directional || local),
         ("lighting: binding light lists", local),
         ("lighting: binding shadow", shadow),
@@ -169,9 +186,10 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("lighting: FOG", fog && !summed),
         ("lighting: BACKGROUND", color && !summed),
         ("tonemap:", summed),
-        ("tonemap: input depth", fog),
-        ("tonemap: FOG", fog),
+        ("tonemap: input depth", fog && !blended),
+        ("tonemap: FOG", fog && !blended),
         ("tonemap: BACKGROUND", color),
+        ("tonemap: TRANSLUCENCY", blended && color),
         ("sky:", sky),
         ("sky: PROBES", probes),
         ("sky: LIGHT_TARGET", summed),

@@ -61,7 +61,7 @@ pub fn scene() -> Scene {
         ..Decal::new(first + material, world_from_decal)
     };
     let from_front =
-        place(center.x, center.y, center.z, Mat4::from_rotation_y(0.3), size * Vec3::new(0.5, 0.4, 1.5));
+        place(center.x, center.y, center.z, Mat4::from_rotation_y(0.3), size * Vec3::new(0.5, 0.33, 1.5));
     scene.decals = vec![
         Decal {
             falloff_m: Vec3::splat(0.3),

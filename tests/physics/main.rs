@@ -19,6 +19,7 @@ mod quantised;
 mod scenes;
 mod surroundings;
 mod textured;
+mod translucent;
 
 /// Sixteen to nine, large enough for highlights and cones, small enough for a software rasteriser.
 const SIZE: [u32; 2] = [256, 144];

@@ -41,9 +41,10 @@ impl Elements<'_> {
         }
         if set != SET_FRAME {
             return match found {
-                Some((stage, Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap)) => {
-                    self.input(*stage, binding)
-                }
+                Some((
+                    stage,
+                    Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap | Pipeline::Fog,
+                )) => self.input(*stage, binding),
                 Some((stage, Pipeline::Decal(_))) if set == SET_INPUTS => self.input(*stage, binding),
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),
                 _ => {

@@ -46,6 +46,10 @@ impl Elements<'_> {
             "UNLIT" => is("unlit"),
             "VERTEX_COLOR" => format!("the mesh of {element} has vertex colours"),
             "EMISSIVE" => is("emissive"),
+            "BLEND" => is("blended over what is behind it"),
+            "TRANSLUCENCY" => {
+                self.plan.needs.blended.iter().map(|b| format!("{b} covers the background in part")).collect()
+            }
             "HAS_DIRECTIONAL" => by(|kind| matches!(kind, LightKind::Directional { .. })),
             "HAS_POINT" => by(|kind| matches!(kind, LightKind::Point { .. })),
             "HAS_SPOT" => by(|kind| matches!(kind, LightKind::Spot { .. })),
@@ -64,9 +68,10 @@ impl Elements<'_> {
                 format!("{}; the option shadow filter is {}", self.shadow_lights(), options.shadows.filter)
             }
             "FOLD" => "no light exists before lighting, which applies the tone curve itself".into(),
-            "LIGHT_TARGET" => match self.plan.needs.prelit.first() {
-                Some(prelit) => prelit.clone(),
-                None => "light is summed before the tone curve".into(),
+            "LIGHT_TARGET" => match (self.plan.needs.prelit.first(), &self.plan.needs.blended) {
+                (Some(prelit), _) => prelit.clone(),
+                (None, Some(blended)) => format!("{blended} is blended over it"),
+                (None, None) => "light is summed before the tone curve".into(),
             },
             "AMBIENT" => format!("{element} receives {}", self.around()),
             "ENVIRONMENT" => format!("{element} receives {}", self.around()),

@@ -67,12 +67,16 @@ impl<'a> Elements<'a> {
                 self.light(|light| !is_local(light)) + " shines everywhere"
             }
             Pipeline::Lighting => {
-                let lit = plan.needs.lit.as_deref().unwrap_or_default();
+                let lit = plan.needs.lit_opaque.as_deref().unwrap_or_default();
                 format!("{lit} is lit by {}", self.light(|_| true))
             }
             Pipeline::Decal(kind) => {
                 let need = plan.needs.decals.iter().find(|need| need.kind == *kind);
                 need.map_or_else(String::new, |need| need.why.clone())
+            }
+            Pipeline::Fog => {
+                let blended = plan.needs.blended.as_deref().unwrap_or_default();
+                format!("the scene has fog, and {blended} is blended over what is in it")
             }
             Pipeline::Tonemap => plan.subpass(*stage).2.why.clone(),
         }

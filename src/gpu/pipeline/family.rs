@@ -95,10 +95,8 @@ impl Family {
             Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
             Pipeline::LightVolume(_) => lighting.chain([VOLUMES]).collect(),
             Pipeline::Decal(_) => vec![DECALS],
-            Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap => Vec::new(),
-            Pipeline::Surface(kind) if kind.unlit || plan.has_gbuffer() || plan.has_light_target() => {
-                Vec::new()
-            }
+            Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog => Vec::new(),
+            Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
             Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting => lighting.collect(),
         };
         let has_table = plan.options.brdf != Brdf::Fitted;
@@ -125,12 +123,14 @@ impl Family {
             Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
-            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap | Pipeline::Decal(_) => {
-                SecondSet::Inputs {
-                    count: plan.subpass(stage).2.inputs.len() as u32,
-                    bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
-                }
-            }
+            Pipeline::Lighting
+            | Pipeline::LightVolume(_)
+            | Pipeline::Tonemap
+            | Pipeline::Fog
+            | Pipeline::Decal(_) => SecondSet::Inputs {
+                count: plan.subpass(stage).2.inputs.len() as u32,
+                bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
+            },
         };
         let one_light = matches!(pipeline, Pipeline::Light(_));
         let decal_textures = match pipeline {

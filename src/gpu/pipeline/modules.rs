@@ -6,7 +6,7 @@ use super::super::shader::{
     shared, target_number,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{DecalKind, DecalWay, Pipeline, Plan, SurfaceKind, VolumeShape};
+use crate::plan::{DecalKind, DecalWay, Form, Pipeline, Plan, SurfaceKind, VolumeShape};
 use crate::visible::ShadowShape;
 
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
@@ -18,14 +18,13 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             (Module::GeometryVertex, kind.alpha_mask.then_some(Module::Mask), surface(kind))
         }
         Pipeline::Surface(kind) => {
-            let fragment = if plan.has_gbuffer() {
+            let fragment = if plan.lights_as_drawn(kind) {
+                // Without a light target what is unlit needs no more than its material.
+                if kind.unlit && plan.folded { Module::Unlit } else { Module::Forward }
+            } else if plan.has_gbuffer() {
                 Module::GeometryFragment
-            } else if plan.has_light_target() {
-                Module::Base
-            } else if kind.unlit {
-                Module::Unlit
             } else {
-                Module::Forward
+                Module::Base
             };
             (Module::GeometryVertex, Some(fragment), surface(kind))
         }
@@ -44,6 +43,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             (Module::DecalVertex, Some(Module::Decal), surface.specialization().and(decal))
         }
         Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), Specialization::default()),
+        Pipeline::Fog => (Module::Fullscreen, Some(Module::Fog), Specialization::default()),
     };
     let lighting = lighting_constants(plan, pipeline).specialization();
     let output = output_constants(plan, pipeline).specialization();
@@ -58,20 +58,26 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
 fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
     SampleConstants {
         samples: plan.options.samples,
-        per_sample: matches!(pipeline, Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Decal(_)),
+        per_sample: matches!(
+            pipeline,
+            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Fog | Pipeline::Decal(_)
+        ),
         sample_depth: plan.has_gbuffer() && plan.gbuffer.reads_depth_attachment(),
         resolve: plan.options.resolve,
     }
 }
 
 fn gbuffer_constants(plan: &Plan) -> GBufferConstants {
+    let new = GBufferConstants::new(&plan.gbuffer);
     GBufferConstants {
         exists: plan.has_gbuffer(),
+        // Where there is none, light is summed in one target.
+        form: if plan.has_gbuffer() { new.form } else { Form::Metallic },
         light_target: plan.has_light_target(),
         light_alpha: plan.light_target().is_none_or(|light| light.has_alpha()),
         light_read: plan.light_is_read(),
         light_added: plan.light_is_read() && !plan.folded,
-        ..GBufferConstants::new(&plan.gbuffer)
+        ..new
     }
 }
 
@@ -106,10 +112,11 @@ fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
     // Fog comes before light that is complete.
     let applies_fog = match pipeline {
         Pipeline::Lighting | Pipeline::LightVolume(_) => plan.folded,
-        Pipeline::Tonemap => plan.has_gbuffer(),
+        Pipeline::Tonemap => plan.has_gbuffer() && plan.needs.blended.is_none(),
         _ => true,
     };
     OutputConstants {
+        translucency: plan.needs.blended.is_some(),
         tonemap: plan.options.tonemap,
         dither: plan.options.dither,
         float: plan.options.output.is_float(),
@@ -158,6 +165,7 @@ fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
         double_sided: kind.double_sided,
         unlit: kind.unlit,
         vertex_color: kind.vertex_color,
+        blend: kind.blend,
         emissive: kind.emissive,
         around: kind.around,
         rgbm: is_rgbm(plan),

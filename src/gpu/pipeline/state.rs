@@ -102,12 +102,17 @@ impl FixedState {
             .dst_alpha_blend_factor(vk::BlendFactor::ONE)
             .alpha_blend_op(vk::BlendOp::ADD)
         } else if subpass.blend {
+            // Over what is there, colours multiplied by alpha already; or added to it.
+            let kept = match pipeline {
+                Pipeline::Surface(_) | Pipeline::Fog => vk::BlendFactor::ONE_MINUS_SRC_ALPHA,
+                _ => vk::BlendFactor::ONE,
+            };
             all.blend_enable(true)
                 .src_color_blend_factor(vk::BlendFactor::ONE)
-                .dst_color_blend_factor(vk::BlendFactor::ONE)
+                .dst_color_blend_factor(kept)
                 .color_blend_op(vk::BlendOp::ADD)
                 .src_alpha_blend_factor(vk::BlendFactor::ONE)
-                .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+                .dst_alpha_blend_factor(kept)
                 .alpha_blend_op(vk::BlendOp::ADD)
         } else {
             all
@@ -130,10 +135,8 @@ fn depth_stencil(subpass: &Subpass, pipeline: &Pipeline) -> vk::PipelineDepthSte
     match pipeline {
         // Surfaces whose depth is there already pass where they are what was found nearest.
         Pipeline::Surface(_) | Pipeline::Depth(_) | Pipeline::Light(_) => {
-            test.depth_compare_op(match subpass.depth_write {
-                true => vk::CompareOp::GREATER,
-                false => vk::CompareOp::EQUAL,
-            })
+            let found = !subpass.depth_write && !matches!(pipeline, Pipeline::Surface(kind) if kind.blend);
+            test.depth_compare_op(if found { vk::CompareOp::EQUAL } else { vk::CompareOp::GREATER })
         }
         // At the far plane: seen where nothing is before it.
         Pipeline::Sky => test.depth_write_enable(false).depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL),

@@ -25,6 +25,14 @@ pub(super) struct Frame<'a> {
     pub(super) fragments: Option<FragmentQueries>,
 }
 
+/// What draws of surfaces have bound.
+#[derive(Default)]
+struct Bound {
+    mesh: BoundMesh,
+    pipeline: Option<(usize, vk::PipelineLayout)>,
+    material: Option<usize>,
+}
+
 impl Frame<'_> {
     pub(super) fn record(&mut self) {
         let Renderer { plan, passes, config, queries, .. } = self.renderer;
@@ -84,7 +92,17 @@ impl Frame<'_> {
     }
 
     fn draw_stage(&mut self, stage: usize) {
-        self.draw_surfaces(stage);
+        if self.renderer.plan.is_translucency(stage) {
+            self.draw_whole(stage);
+            self.draw_blended(stage);
+        } else {
+            self.draw_surfaces(stage);
+            self.draw_whole(stage);
+        }
+    }
+
+    /// Draws what is not surfaces: over the whole image, or lights' volumes.
+    fn draw_whole(&mut self, stage: usize) {
         let plan = &self.renderer.plan;
         if plan.subpass(stage).2.name == "decals" {
             return self.draw_decals(stage);
@@ -153,31 +171,48 @@ impl Frame<'_> {
 
     /// Draws what the view sees of all surfaces that the stage draws.
     fn draw_surfaces(&mut self, stage: usize) {
-        let Renderer { plan, pipelines, scene, .. } = self.renderer;
-        let mut bound_mesh = BoundMesh::default();
-        let (mut bound_pipeline, mut bound_material) = (None, None);
+        let Renderer { pipelines, scene, .. } = self.renderer;
+        let mut bound = Bound::default();
         for batch in scene.objects().visible_batches() {
-            let Some(index) = pipelines.drawing(stage, batch.pipeline) else { continue };
-            let layout = match bound_pipeline {
-                Some((bound, layout)) if bound == index => layout,
-                _ => {
-                    bound_material = None;
-                    self.bind_pipeline(index)
-                }
-            };
-            bound_pipeline = Some((index, layout));
-            if pipelines.families[index].has_material() && bound_material != Some(batch.material_set) {
-                self.bind_set(layout, 1, scene.material_set(batch.material_set));
-                bound_material = Some(batch.material_set);
+            if let Some(index) = pipelines.drawing(stage, batch.pipeline) {
+                self.draw_run(stage, index, batch, batch.visible.clone(), &mut bound);
             }
-            scene.bind_mesh(self.recorder, batch, &mut bound_mesh, &mut self.counts.state_changes);
-            let Batch { mesh, material, .. } = *batch;
-            let drawn = DrawnMesh { mesh, material, instances: batch.visible.len() as u32 };
-            self.counted(stage, index, Some(drawn), |frame| match plan.pipelines[index].1 {
-                Pipeline::Light(_) => frame.draw_for_each_light(batch, layout),
-                _ => frame.draw_instances(batch, batch.visible.clone()),
-            });
         }
+    }
+
+    /// Draws what the view sees of what is blended, from far to near.
+    fn draw_blended(&mut self, stage: usize) {
+        let Renderer { pipelines, scene, .. } = self.renderer;
+        let mut bound = Bound::default();
+        for (batch, run) in scene.objects().blended_runs() {
+            if let Some(index) = pipelines.drawing(stage, batch.pipeline) {
+                self.draw_run(stage, index, batch, run, &mut bound);
+            }
+        }
+    }
+
+    /// Draws some of a batch's visible instances with the n-th of `Plan::pipelines`.
+    fn draw_run(&mut self, stage: usize, index: usize, batch: &Batch, run: Range<u32>, bound: &mut Bound) {
+        let Renderer { plan, pipelines, scene, .. } = self.renderer;
+        let layout = match bound.pipeline {
+            Some((same, layout)) if same == index => layout,
+            _ => {
+                bound.material = None;
+                self.bind_pipeline(index)
+            }
+        };
+        bound.pipeline = Some((index, layout));
+        if pipelines.families[index].has_material() && bound.material != Some(batch.material_set) {
+            self.bind_set(layout, 1, scene.material_set(batch.material_set));
+            bound.material = Some(batch.material_set);
+        }
+        scene.bind_mesh(self.recorder, batch, &mut bound.mesh, &mut self.counts.state_changes);
+        let Batch { mesh, material, .. } = *batch;
+        let drawn = DrawnMesh { mesh, material, instances: run.len() as u32 };
+        self.counted(stage, index, Some(drawn), |frame| match plan.pipelines[index].1 {
+            Pipeline::Light(_) => frame.draw_for_each_light(batch, layout),
+            _ => frame.draw_instances(batch, run),
+        });
     }
 
     /// Draws, and counts the fragments if that is asked for.

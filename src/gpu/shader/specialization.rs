@@ -98,6 +98,8 @@ pub struct GeometryConstants {
     pub has_environment: bool,
     /// Whether a lightmap brings the diffuse light, and how.
     pub lightmap: Option<LightmapConstants>,
+    /// The light is laid over what is behind.
+    pub blend: bool,
 }
 
 /// How a lightmap is stored.
@@ -139,6 +141,7 @@ impl GeometryConstants {
             (const { shared("ID_ALPHA_MASK") }, self.alpha_mask.into()),
             (const { shared("ID_DOUBLE_SIDED") }, self.double_sided.into()),
             (const { shared("ID_UNLIT") }, self.unlit.into()),
+            (const { shared("ID_BLEND") }, self.blend.into()),
             (const { shared("ID_VERTEX_COLOR") }, self.vertex_color.into()),
             (const { shared("ID_EMISSIVE") }, self.emissive.into()),
             (const { shared("ID_AMBIENT") }, (self.around >= Around::Ambient).into()),
@@ -384,6 +387,8 @@ pub struct OutputConstants {
     pub background: Option<[f32; 3]>,
     /// Fog before surfaces.
     pub fog: Option<Fog>,
+    /// Light's alpha says how much of the background is covered, not only whether.
+    pub translucency: bool,
     /// Whether scattered light is mixed in, and what is to be scattered stored.
     pub bloom: BloomWay,
 }
@@ -402,6 +407,7 @@ impl OutputConstants {
             (const { shared("ID_BACKGROUND_RED") }, red),
             (const { shared("ID_BACKGROUND_GREEN") }, green),
             (const { shared("ID_BACKGROUND_BLUE") }, blue),
+            (const { shared("ID_TRANSLUCENCY") }, self.translucency.into()),
             (const { shared("ID_FOG") }, self.fog.is_some().into()),
             (const { shared("ID_FOG_RED") }, fog.color_nt.x.to_bits()),
             (const { shared("ID_FOG_GREEN") }, fog.color_nt.y.to_bits()),

@@ -2,7 +2,7 @@
 
 use super::decals;
 use super::depth::Depth;
-use super::{Asked, Frame, Stage, Use, added_light};
+use super::{Asked, Frame, Stage, Use, added_light, translucency};
 use crate::plan::LightWay;
 use crate::plan::layout::{LightPlace, Target, Tells};
 
@@ -13,7 +13,9 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
     let in_gbuffer = matches!(gbuffer.light, LightPlace::Read(_));
     let light_read = in_gbuffer && (one_by_one || !needs.prelit.is_empty());
     let folded = match gbuffer.light {
-        LightPlace::Added { .. } => needs.prelit.is_empty() && asked.may_fold() && !one_by_one,
+        LightPlace::Added { .. } => {
+            needs.prelit.is_empty() && needs.blended.is_none() && asked.may_fold() && !one_by_one
+        }
         LightPlace::Read(_) => !one_by_one,
         LightPlace::Nowhere => true,
     };
@@ -26,6 +28,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
         .collect();
     let mut light_why = needs.prelit.clone();
     light_why.extend(one_by_one.then(|| "lights are added one by one, each rounded".into()));
+    light_why.extend(needs.blended.iter().map(|blended| format!("{blended} is blended over it")));
     if light_why.is_empty() {
         light_why.push("lighting and tonemap are kept apart on request".into());
     }
@@ -81,7 +84,11 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
     }
     if !folded {
         for &r in &positions {
-            let why = if has_fog { ", and tonemap for fog" } else { ", and tonemap" };
+            let why = match (has_fog, asked.fogs_last()) {
+                (true, true) => ", and tonemap for fog",
+                (true, false) => ", and translucency for fog",
+                _ => ", and tonemap",
+            };
             frame.resources[r].why += why;
             if by_depth {
                 frame.resources[r].clear = Some([0.0; 4]);
@@ -133,18 +140,28 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
             }
         ),
     };
+    // Albedo is for the last stage.
+    let albedo = |r: &usize| {
+        gbuffer.surface.iter().any(|t| t.tells == Tells::Albedo && t.name == frame.resources[*r].name)
+    };
+    let (of_tonemap, of_fog): (Vec<usize>, Vec<usize>) =
+        positions.iter().copied().partition(|r| asked.fogs_last() || !has_fog || albedo(r));
     let tonemap = (!folded).then(|| Stage {
         name: "tonemap",
         uses: std::iter::once((Frame::OUTPUT, Use::Write))
-            .chain(modified.iter().chain(&lights_added).chain(&positions).map(|&r| (r, Use::Read)))
+            .chain(modified.iter().chain(&lights_added).chain(&of_tonemap).map(|&r| (r, Use::Read)))
             .collect(),
-        why: if has_fog {
+        why: if asked.fogs_last() {
             "light from several stages was summed; fog goes by the depth of what sent it".into()
         } else {
             "light from several stages was summed".into()
         },
     });
     let decals = decals::stage(frame, asked, depth, &surface);
-    frame.stages.extend([Some(geometry), decals, Some(lighting)].into_iter().flatten().chain(tonemap));
+    frame.stages.extend([Some(geometry), decals, Some(lighting)].into_iter().flatten());
+    // Of eight words the first four hold the position.
+    let of_fog: Vec<_> = of_fog.into_iter().filter(|&r| frame.resources[r].name != "more_words").collect();
+    translucency::add(frame, asked, &lights_added, depth.resource, &of_fog);
+    frame.stages.extend(tonemap);
     frame.folded = folded;
 }

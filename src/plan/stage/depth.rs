@@ -18,9 +18,11 @@ pub(super) struct Depth {
 pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
     let Asked { needs, options, gbuffer, path, way, depth_stencil, .. } = *asked;
     let one_by_one = way.is_one_by_one();
-    let before_sky = needs.sky && needs.triangles > 0;
-    let is_read = path == Path::Deferred && needs.lit.is_some() && gbuffer.reads_depth_attachment();
-    if !(needs.triangles > 1 || one_by_one || before_sky || is_read || options.edge_filter) {
+    let opaque = needs.opaque_triangles();
+    let before_sky = needs.sky && opaque > 0;
+    let hides = opaque > 1 || (opaque == 1 && needs.blended.is_some());
+    let is_read = path == Path::Deferred && needs.lit_opaque.is_some() && gbuffer.reads_depth_attachment();
+    if !(hides || one_by_one || before_sky || is_read || options.edge_filter) {
         return Depth { resource: None, drawn: None, is_read };
     }
     let stencil = way == LightWay::Stencil;
@@ -45,12 +47,12 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
         tells: Tells::Position,
     };
     let mut why = Vec::new();
-    why.extend((needs.triangles > 1).then(|| format!("{} triangles hide each other", needs.triangles)));
+    why.extend(hides.then(|| format!("{} triangles hide each other", needs.triangles)));
     why.extend(is_read.then(|| "lighting reads it".into()));
     why.extend(one_by_one.then(|| "a light's volume is tested against it".into()));
     why.extend(before_sky.then(|| "the sky is behind them".into()));
     let depth = frame.add_target(&target, options.keep_gbuffer && is_read, why.join("; "));
-    let drawn = if options.depth_prepass {
+    let drawn = if options.depth_prepass && opaque > 0 {
         let why = "what is nearest is found first, so that no pixel is shaded twice";
         frame.add_stage("depth", [(depth, Use::Depth)], why.into());
         Use::DepthTest

@@ -1,10 +1,24 @@
 //! Surfaces that are lit as they are drawn, or not at all.
 
 use super::depth::Depth;
-use super::{Asked, Frame, Use, added_light};
+use super::{Asked, Frame, Use, added_light, translucency};
 
-/// All at once, the tone curve too.
+/// All at once, the tone curve too, unless something is blended over it.
 pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, name: &'static str, why: String) {
+    if let Some(blended) = &asked.needs.blended {
+        let light = added_light(asked.gbuffer, false).0;
+        let light = frame.add_target(&light.target, false, format!("{blended} is blended over it"));
+        if asked.needs.background.is_some() {
+            frame.resources[light].holds = Asked::LIGHT_AND_BACKGROUND;
+        }
+        if asked.needs.opaque_triangles() > 0 || asked.needs.sky {
+            frame.add_stage(name, [(light, Use::Write)].into_iter().chain(depth.drawn), why);
+        }
+        translucency::add(frame, asked, &[light], depth.resource, &[]);
+        let sum = "the tone curve is of what is blended".into();
+        frame.add_stage("tonemap", [(Frame::OUTPUT, Use::Write), (light, Use::Read)], sum);
+        return;
+    }
     // Nothing covers the whole image, so the output itself must be cleared.
     let [red, green, blue] = asked.needs.background.unwrap_or_default();
     frame.resources[Frame::OUTPUT].clear = Some([red, green, blue, 1.0]);
@@ -29,6 +43,7 @@ pub(super) fn add_multipass(frame: &mut Frame, asked: &Asked, depth: &Depth) {
     let each = format!("{}; each adds to the surfaces that it reaches", asked.lights());
     let test = depth.resource.map(|depth| (depth, Use::DepthTest));
     frame.add_stage("lights", [(light, Use::Blend)].into_iter().chain(test), each);
+    translucency::add(frame, asked, &[light], depth.resource, &[]);
     let sum = "light from several draws was summed".into();
     frame.add_stage("tonemap", [(Frame::OUTPUT, Use::Write), (light, Use::Read)], sum);
 }

@@ -6,8 +6,10 @@ mod depth;
 mod forward;
 mod post;
 mod samples;
+mod translucency;
 
 pub(super) use samples::add as multisample;
+pub use translucency::NAME as TRANSLUCENCY;
 
 use super::layout::{GBuffer, LightTarget, Target};
 use super::{DecalWay, Format, LightWay, Needs, Options, Path, ResolveWay};
@@ -125,15 +127,15 @@ impl Frame {
         };
         let asked = Asked { needs, options, gbuffer, path, way, depth_stencil, decals };
         let depth = depth::add(&mut frame, &asked);
-        match (&needs.lit, path) {
+        match (&needs.lit_opaque, path) {
             (Some(lit), Path::Deferred) => deferred::add(&mut frame, &asked, &depth, lit),
             (Some(_), Path::ForwardMultipass) => forward::add_multipass(&mut frame, &asked, &depth),
-            (Some(_), _) => {
+            _ if needs.lit.is_some() => {
                 let fogged = asked.fogged();
                 let why = format!("{}; surfaces are lit{fogged} and tone-mapped as drawn", asked.lights());
                 forward::add(&mut frame, &asked, &depth, "forward", why);
             }
-            (None, _) => {
+            _ => {
                 let fogged = asked.fogged();
                 let why = format!(
                     "nothing in the scene is lit: surfaces are drawn{fogged} and tone-mapped at once"
@@ -203,6 +205,11 @@ impl Asked<'_> {
             "{directional_lights} directional, {point_lights} point and {spot_lights} spot lights{}",
             more.collect::<String>()
         )
+    }
+
+    /// Whether what the G-buffer holds is fogged in the last stage; before blended surfaces are laid over it, it is earlier.
+    fn fogs_last(&self) -> bool {
+        self.needs.fog.is_some() && self.needs.blended.is_none()
     }
 
     /// Whether the tone curve may be applied where light is made; light that is to be resolved is all made before.

@@ -151,11 +151,7 @@ impl Materials {
                 let [cutoff] = doc.finite([cutoff], format!("materials[{index}].alphaCutoff"))?;
                 AlphaMode::Mask { cutoff }
             }
-            A::Blend => {
-                self.warnings
-                    .push(format!("{element}: BLEND is not supported; drawn as MASK with a cutoff of 0.5"));
-                AlphaMode::Mask { cutoff: 0.5 }
-            }
+            A::Blend => AlphaMode::Blend,
         })
     }
 
