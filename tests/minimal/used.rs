@@ -90,7 +90,6 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
     let lightmap = lit && scene.lightmap.is_some() && scene.instances.iter().any(|i| i.lightmap.is_some());
     let deferred = lit_opaque && lights;
     let summed = blended || (deferred && (glows || unlit || around || lightmap || sky));
-    let summed = lit && lights && (glows || unlit || around || lightmap || sky);
     let paints = |channel: fn(&Decal, &Material) -> bool| lit && painted(scene).any(|(d, m)| channel(d, m));
     let decals = paints(|_, _| true);
     let color = matches!(scene.background, Background::Color(_));
