@@ -25,7 +25,7 @@
 //! let scene = Scene::load("scene.glb".as_ref())?;
 //! let host = Headless::new(&HeadlessOptions::default())?;
 //! let device = host.device();
-//! let plan = Plan::new(Needs::of(&scene), Options::default(), &device.caps().limits())?;
+//! let plan = Plan::new(Needs::of(&scene), Options::default(), &device.limits())?;
 //! println!("{plan}");
 //! let cache = PipelineCache::load(device)?;
 //! let mut frame = Offscreen::new(device, &scene, plan, RendererConfig::default(), &cache)?;
@@ -49,7 +49,7 @@
 //! - Load and store operations, lifetimes, transience and dependencies follow from who reads and who writes what.
 //! - Reports come from the structs that the Vulkan objects were made from. Every figure says whether it was planned,
 //!   modelled, or told by a driver.
-//! - One plan runs as subpasses or as separate passes, with attachments shared or not, and gives the same pixels.
+//! - One plan runs as subpasses, as one rendering with local reads or as separate passes, with attachments shared or not, and gives the same pixels.
 //!
 //! # Conventions
 //!

@@ -15,7 +15,7 @@ const SIZE: [u32; 2] = [128, 72];
 /// The picture, if the device and the layout allow the way.
 fn painted(gpu: &Gpu<'_>, scene: &Scene, options: &Options, decals: DecalWay) -> Option<Picture> {
     let options = Options { decals, ..options.clone() };
-    let plan = Plan::new(Needs::of(scene), options.clone(), &gpu.device().caps().limits());
+    let plan = Plan::new(Needs::of(scene), options.clone(), &gpu.device().limits());
     plan.is_ok().then(|| gpu.picture(scene, gpu.plan(scene, options), 0.0))
 }
 

@@ -324,7 +324,7 @@ fn frames_in_flight_are_independent() {
     const EXPOSURES_EV: [f32; 3] = [0.0, -1.5, 1.0];
     on_device(None, |gpu| {
         let scene = scenes::every_feature();
-        for (layout, strategy) in every(&LAYOUTS, Strategy::ALL) {
+        for (layout, strategy) in every(&LAYOUTS, &Strategy::EVERYWHERE) {
             let plan = gpu.plan(&scene, Options { size: SIZE, layout, strategy, ..Options::default() });
             let alone = EXPOSURES_EV.map(|ev| gpu.picture(&scene, plan.clone(), ev));
             let in_flight = pictures_in_flight(gpu, &scene, plan, &EXPOSURES_EV);
@@ -347,7 +347,7 @@ fn frames_in_flight_are_independent() {
 fn a_frame_leaves_nothing_to_the_next() {
     on_device(None, |gpu| {
         let scene = scenes::every_feature();
-        for (layout, strategy) in every(&LAYOUTS, Strategy::ALL) {
+        for (layout, strategy) in every(&LAYOUTS, &Strategy::EVERYWHERE) {
             let plan = gpu.plan(&scene, Options { size: SIZE, layout, strategy, ..Options::default() });
             let mut offscreen = gpu.offscreen(&scene, plan, RendererConfig::default());
             let mut turned = scene.cameras[0].clone();

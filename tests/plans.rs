@@ -5,8 +5,8 @@ mod common;
 use common::expected::Expected;
 use common::{environments, scenes};
 use ontile::plan::{
-    BloomWay, Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Needs, Normals,
-    Options, OutputFormat, Path, Plan, Strategy,
+    BloomWay, Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Merging, Needs,
+    Normals, Options, OutputFormat, Path, Plan, Strategy,
 };
 use ontile::scene::Scene;
 
@@ -106,9 +106,11 @@ fn printed() -> Vec<(String, String)> {
             ordered(&decals, Options { layout: Layout::Packed128, ..default() }),
         ),
         ("decals_blended".into(), plan(&scenes::decal_scenes::color_decals(), default())),
+        ("emissive_local_read".into(), local_read(&scenes::emissive(), LightWay::Auto)),
+        ("emissive_local_read_stencil".into(), local_read(&scenes::emissive(), LightWay::Stencil)),
     ];
     for scene in scenes::shipped() {
-        for &strategy in Strategy::ALL {
+        for &strategy in &Strategy::EVERYWHERE {
             let name = format!("shipped_{}_{strategy}", scene.name);
             plans.push((name, plan(&scene, Options { strategy, ..default() })));
         }
@@ -266,6 +268,45 @@ fn auto_paths_follow_how_many_lights_reach_a_point() {
 }
 
 /// Lights added one by one to words, on a device that has the feature.
+/// As a rendering, on a device that has local reads.
+fn local_read(scene: &Scene, lights: LightWay) -> Plan {
+    let merging = Merging { local_read: Ok(()), ..Merging::default() };
+    let options = Options { strategy: Strategy::LocalRead, lights, ..Options::default() };
+    Plan::new(Needs::of(scene), options, &Limits { merging, ..Limits::default() }).unwrap()
+}
+
+#[test]
+fn local_read_is_refused_with_the_reason_and_chosen_where_it_is_best() {
+    let plan = |strategy, layout, merging, most| {
+        let limits = Limits { merging, max_color_attachments: most, ..Limits::default() };
+        let options = Options { strategy, layout, ..Options::default() };
+        Plan::new(Needs::of(&scenes::emissive()), options, &limits)
+    };
+    let has = |best| Merging { local_read: Ok(()), best, why: "it is told so" };
+    let named = |merging, layout, most| plan(Strategy::LocalRead, layout, merging, most);
+    let refused = |made: ontile::Result<Plan>| made.unwrap_err().to_string();
+    let error = refused(named(Merging::default(), Layout::Metallic128, 8));
+    assert!(error.contains("VK_KHR_dynamic_rendering_local_read") && error.contains("subpasses"), "{error}");
+    // One more than a stage of it writes at once.
+    let many = Layout::Exact;
+    let error = refused(named(has(Strategy::LocalRead), many, 4));
+    assert!(error.contains("all 5 colour attachments") && error.contains("allows 4"), "{error}");
+    assert!(named(has(Strategy::LocalRead), many, 8).is_ok());
+    assert!(plan(Strategy::Subpasses, many, has(Strategy::LocalRead), 4).is_ok());
+
+    let auto = |merging, layout, most| plan(Strategy::Auto, layout, merging, most).unwrap();
+    for best in [Strategy::LocalRead, Strategy::Subpasses] {
+        let made = auto(has(best), Layout::Metallic128, 4);
+        assert_eq!(made.strategy, best);
+        assert!(made.notes.contains(&format!("strategy: {best}, since it is told so")), "{:?}", made.notes);
+    }
+    assert_eq!(auto(Merging::default(), Layout::Metallic128, 4).strategy, Strategy::Subpasses);
+    // Where the best does not go, the next best does.
+    let made = auto(has(Strategy::LocalRead), many, 4);
+    assert_eq!(made.strategy, Strategy::Subpasses);
+    assert!(made.notes.iter().any(|note| note.contains("all 5 colour attachments")), "{:?}", made.notes);
+}
+
 fn in_words(scene: &Scene, strategy: Strategy) -> Plan {
     let lights = LightWay::Volumes;
     ordered(scene, Options { layout: Layout::Packed128, lights, strategy, ..Options::default() })
@@ -334,7 +375,7 @@ fn light_in_words_is_added_to_only_where_fragments_are_in_order() {
 #[test]
 fn same_needs_options_and_limits_give_the_same_plan() {
     for scene in scenes::built() {
-        for &strategy in Strategy::ALL {
+        for &strategy in &Strategy::EVERYWHERE {
             let options = Options { strategy, ..Options::default() };
             let [a, b] = [(); 2].map(|()| plan(&scene.clone(), options.clone()));
             assert_eq!(a, b, "{}", scene.name);

@@ -138,6 +138,47 @@ require_unpacking_tools() {
         unavailable "apt is not configured for a Debian archive; set ONTILE_DEBIAN_MIRROR to the address of one"
 }
 
+# relocatable_manifest MANIFEST NEW LIBRARIES: a driver's or layer's manifest that names its library relative to itself, so that
+# the folder can be moved and cached.
+relocatable_manifest() { sed -E "s#(\"library_path\": *\")[^\"]*/?(lib[^/\"]+\")#\1../$3/\2#" "$1" >"$2"; }
+
+# own_libc_system DIR LIBRARIES ICD PRELOAD WHAT ENVIRONMENT: makes of a system that was unpacked into DIR/root, whose
+# libraries are in DIR/LIBRARIES, a wrapper DIR/run that starts programs on the driver with manifest ICD, and the manifests
+# that it needs. PRELOAD is a library or empty; WHAT and ENVIRONMENT are a comment and a line of the wrapper.
+own_libc_system() {
+    local dir=$1 libraries=$2 icd=$3 preload=${4:+--preload \"\$libraries/$4\"}
+    mkdir "$dir/icd" "$dir/layers"
+    relocatable_manifest "$dir/root/usr/share/vulkan/icd.d/$icd" "$dir/icd/$icd" "$libraries"
+    relocatable_manifest "$dir/root/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json" \
+        "$dir/layers/VkLayer_khronos_validation.json" "$libraries"
+    cat >"$dir/run" <<RUN
+#!/bin/sh
+# run PROGRAM ARGUMENTS...: $5. The program is started by the unpacked libc's
+# loader, so that it and the driver agree on one libc.
+here=\$(cd "\$(dirname "\$0")" && pwd)
+libraries=\$here/$libraries
+export $6
+export VK_DRIVER_FILES="\$here/icd/$icd" VK_ICD_FILENAMES="\$here/icd/$icd"
+export VK_LAYER_PATH="\${VK_LAYER_PATH-\$here/layers}" VK_LOADER_LAYERS_DISABLE="\${VK_LOADER_LAYERS_DISABLE-~implicit~}"
+case \$1 in */*) program=\$1 ;; *) program=\$(command -v "\$1") || { echo "run: \$1: not found" >&2; exit 127; } ;; esac
+shift
+exec "\$libraries/ld-linux-x86-64.so.2" --library-path "\$libraries" $preload "\$program" "\$@"
+RUN
+    chmod +x "$dir/run"
+}
+
+# prove_system DIR LIBRARIES DRIVER NAME: the proof that it is whole: the driver's own loader finds every library, and the
+# driver answers with a device of this name; prints what it is.
+prove_system() {
+    "$1/run" "$1/root/usr/bin/vulkaninfo" --summary >"$1/vulkaninfo.txt" 2>&1 || true
+    if ! grep -q "deviceName *= *$4" "$1/vulkaninfo.txt"; then
+        cat "$1/vulkaninfo.txt" >&2
+        "$1/$2/ld-linux-x86-64.so.2" --library-path "$1/$2" --list "$1/$2/$3" | grep 'not found' >&2 || true
+        die "the unpacked driver does not start (see above)"
+    fi
+    grep -E 'deviceName|driverInfo' "$1/vulkaninfo.txt" >&2
+}
+
 # A cache folder is complete when its stamp equals the checksum of the scripts that fill it.
 cache_stamp() { cat "$0" "$ROOT/tools/lib.sh" | cksum; }
 cache_is_complete() { [ "$(cat "$1/.complete" 2>/dev/null)" = "$(cache_stamp)" ]; }

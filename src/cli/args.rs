@@ -81,8 +81,9 @@ pub struct PlanArgs {
     /// Width and height of the picture, in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub size: Size,
-    /// How stages become render passes: subpasses of one pass that stays on the tile, or separate passes that
-    /// store and load every attachment
+    /// How stages become render passes: subpasses of one pass that stays on the tile; separate passes that store and load every
+    /// attachment; or, with the same picture as subpasses, stages of one dynamic rendering with local reads, which some drivers
+    /// keep on the tile instead; auto: what is known to stay there with the driver at hand
     #[arg(long, default_value_t = Strategy::Subpasses, value_parser = named(Strategy::ALL, Strategy::name))]
     pub strategy: Strategy,
     /// The G-buffer's layout; auto: what has the fewest bytes and keeps --max-error for this scene and device

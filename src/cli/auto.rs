@@ -18,7 +18,7 @@ pub fn options_on(
     camera: &Camera,
     device: &Device,
 ) -> Result<Options> {
-    chosen(args, output, scene, camera, &device.caps().limits(), &|plan| check_formats(device, plan))
+    chosen(args, output, scene, camera, &device.limits(), &|plan| check_formats(device, plan))
 }
 
 /// The options where no device is asked.

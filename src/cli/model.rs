@@ -338,7 +338,7 @@ fn of_scene(args: &ModelArgs, scene_args: &SceneArgs) -> ontile::Result<OfScene>
     let counts = count(device, &scene, &options, &view, &cache)?;
     drop(progress);
     cache.store();
-    let mut traffic = FrameTraffic::new(&scene, &options, &device.caps().limits(), &counts)?;
+    let mut traffic = FrameTraffic::new(&scene, &options, &device.limits(), &counts)?;
     for modelled in &mut traffic.modelled {
         modelled.model = args.inputs.over(modelled.model);
         modelled.model.check()?;

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use ontile::gpu::Explanation;
-use ontile::plan::{Limits, Needs, OutputFormat, Plan, Report};
+use ontile::plan::{Limits, Merging, Needs, OutputFormat, Plan, Report};
 
 use super::args::{PlanArgs, SceneArgs};
 use super::{auto, print, scene};
@@ -54,9 +54,11 @@ pub fn run(args: &PlanCommandArgs) -> ontile::Result<()> {
     let camera = scene::camera(&scene, &args.scene)?.clone();
     scene::tell_idle_flags(&scene, &args.plan);
     // No device is asked: the picture's size is its only limit that may go beyond the guaranteed ones.
+    let merging = Merging { local_read: Ok(()), ..Merging::default() };
     let limits = Limits {
         max_image_size: u32::MAX,
         ordered_attachment_access: true,
+        merging,
         sample_counts: 1 | 2 | 4 | 8,
         word_sample_counts: 1 | 2 | 4 | 8,
         ..Limits::default()

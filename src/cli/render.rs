@@ -141,7 +141,7 @@ fn draw(
     device: &Device,
 ) -> Result<(Picture, Report, Vec<&'static str>)> {
     let options = auto::options_on(&args.plan, args.output.image_format(), scene, camera, device)?;
-    let plan = Plan::new(Needs::of(scene), options, &device.caps().limits())?;
+    let plan = Plan::new(Needs::of(scene), options, &device.limits())?;
     plan.warnings.iter().for_each(|warning| print::warning(warning));
     if plan.has_gbuffer() {
         scene::tell_distance(scene, camera, &plan.gbuffer);

@@ -4,6 +4,7 @@ use ash::{khr, vk};
 use serde::{Deserialize, Serialize};
 use std::ffi::CStr;
 
+use super::quirks;
 use crate::plan::Format;
 
 /// A device's properties as far as they matter here.
@@ -13,6 +14,8 @@ pub struct Caps {
     pub name: String,
     /// The driver's name and version as the driver words them; only the packed version where it does not say.
     pub driver: String,
+    /// `VkDriverId`; 0 where the driver does not say.
+    pub driver_id: i32,
     /// Vulkan version as major, minor, patch.
     pub api_version: [u32; 3],
     /// PCI vendor, or Khronos' number of the vendor.
@@ -71,9 +74,9 @@ pub struct Caps {
     pub image_cube_array: bool,
     /// The `occlusionQueryPrecise` feature.
     pub occlusion_precise: bool,
-    /// VK_KHR_dynamic_rendering_local_read.
+    /// VK_KHR_dynamic_rendering_local_read, with the extensions that it builds on and `independentBlend`.
     pub local_read: bool,
-    /// VK_EXT_rasterization_order_attachment_access (or Arm's original) for colour; of a [`Device`](super::Device), if it is enabled.
+    /// VK_EXT_rasterization_order_attachment_access (or Arm's original) for colour.
     pub rasterization_order_attachment_access: bool,
     /// VK_EXT_subpass_merge_feedback.
     pub subpass_merge_feedback: bool,
@@ -121,6 +124,7 @@ impl Caps {
             max_image_size: self.max_image_dimension_2d.min(width).min(height),
             gbuffer_on_chip: self.lazily_allocated_memory || self.device_type == DeviceType::Cpu,
             ordered_attachment_access: self.rasterization_order_attachment_access,
+            merging: quirks::merging(self),
             sample_counts: self.sample_counts.iter().sum(),
             word_sample_counts: self.integer_sample_counts.iter().sum(),
             sample_shading: self.sample_rate_shading,
@@ -152,10 +156,16 @@ impl Caps {
         unsafe { instance.get_physical_device_properties2(physical_device, &mut properties) };
         let properties = properties.properties;
 
-        let has_local_read = has(khr::dynamic_rendering_local_read::NAME);
+        let of_local_read = [
+            khr::dynamic_rendering_local_read::NAME,
+            khr::dynamic_rendering::NAME,
+            khr::depth_stencil_resolve::NAME,
+            khr::create_renderpass2::NAME,
+        ];
+        let has_local_read = of_local_read.into_iter().all(has);
         let has_order = has(ash::ext::rasterization_order_attachment_access::NAME)
             || has(ash::arm::rasterization_order_attachment_access::NAME);
-        let has_feedback = has(ash::ext::subpass_merge_feedback::NAME);
+        let has_feedback = has(ash::ext::subpass_merge_feedback::NAME) && has(khr::create_renderpass2::NAME);
         let mut local_read = vk::PhysicalDeviceDynamicRenderingLocalReadFeaturesKHR::default();
         let mut order = vk::PhysicalDeviceRasterizationOrderAttachmentAccessFeaturesEXT::default();
         let mut feedback = vk::PhysicalDeviceSubpassMergeFeedbackFeaturesEXT::default();
@@ -209,6 +219,7 @@ impl Caps {
                 (name, info) if info.is_empty() => name,
                 (name, info) => format!("{name} {info}"),
             },
+            driver_id: driver.driver_id.as_raw(),
             api_version: [
                 vk::api_version_major(version),
                 vk::api_version_minor(version),
@@ -258,7 +269,8 @@ impl Caps {
             pipeline_statistics: features.pipeline_statistics_query == vk::TRUE,
             image_cube_array: features.image_cube_array == vk::TRUE,
             occlusion_precise: features.occlusion_query_precise == vk::TRUE,
-            local_read: local_read.dynamic_rendering_local_read == vk::TRUE,
+            local_read: local_read.dynamic_rendering_local_read == vk::TRUE
+                && features.independent_blend == vk::TRUE,
             rasterization_order_attachment_access: order.rasterization_order_color_attachment_access
                 == vk::TRUE,
             subpass_merge_feedback: feedback.subpass_merge_feedback == vk::TRUE,

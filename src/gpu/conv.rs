@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::environment::TexelFormat;
-use crate::plan::{Access, Format, Load, Scope, State, Store, Usage};
+use crate::plan::{Access, Attachment, Format, Load, Scope, State, Store, Usage};
 
 /// The Vulkan format.
 pub const fn format(f: Format) -> vk::Format {
@@ -51,6 +51,7 @@ pub const fn layout(s: State) -> vk::ImageLayout {
         State::DepthInputStencil => vk::ImageLayout::DEPTH_READ_ONLY_STENCIL_ATTACHMENT_OPTIMAL,
         State::Input | State::Sampled => vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
         State::InputColor => vk::ImageLayout::GENERAL,
+        State::LocalRead => vk::ImageLayout::RENDERING_LOCAL_READ_KHR,
         State::CopySource => vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
         State::Present => vk::ImageLayout::PRESENT_SRC_KHR,
     }
@@ -71,6 +72,20 @@ pub const fn store_op(s: Store) -> vk::AttachmentStoreOp {
         Store::Store => vk::AttachmentStoreOp::STORE,
         Store::DontCare => vk::AttachmentStoreOp::DONT_CARE,
     }
+}
+
+/// What an attachment is cleared to.
+pub fn clear_value(attachment: &Attachment) -> vk::ClearValue {
+    let color = attachment.clear.unwrap_or_default();
+    match attachment.format.is_depth() {
+        true => vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: color[0], stencil: 0 } },
+        false => vk::ClearValue { color: vk::ClearColorValue { float32: color } },
+    }
+}
+
+/// Whether only the same pixel matters.
+pub fn by_region(by_region: bool) -> vk::DependencyFlags {
+    if by_region { vk::DependencyFlags::BY_REGION } else { vk::DependencyFlags::empty() }
 }
 
 /// Image usage, without the transient flag.

@@ -3,6 +3,8 @@
 use super::caps::{Caps, lazy_types, types_with};
 use super::headless::OwnedDevice;
 use super::owned::{Counters, Live};
+use super::rendering::RenderingCalls;
+use crate::plan::{Limits, Merging};
 use crate::{Error, Result};
 use ash::vk::{self, Handle};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -50,6 +52,11 @@ pub struct Features {
     /// `rasterizationOrderColorAttachmentAccess` of VK_EXT_rasterization_order_attachment_access or of Arm's original: layouts
     /// that hold light in words want it where lights are added one by one.
     pub ordered_attachment_access: bool,
+    /// `dynamicRenderingLocalRead` and `dynamicRendering`, of VK_KHR_dynamic_rendering_local_read and VK_KHR_dynamic_rendering or
+    /// of Vulkan 1.4, and `independentBlend`: the strategy local-read wants them.
+    pub local_read: bool,
+    /// `subpassMergeFeedback` of VK_EXT_subpass_merge_feedback: reports say what the driver makes of subpasses.
+    pub subpass_merge_feedback: bool,
     /// `sampleRateShading`: G-buffers of several samples a pixel want it.
     pub sample_rate_shading: bool,
 }
@@ -70,6 +77,7 @@ struct Shared {
     queue: Mutex<vk::Queue>,
     callbacks: Option<vk::AllocationCallbacks<'static>>,
     debug_utils: Option<ash::ext::debug_utils::Device>,
+    rendering_calls: Option<RenderingCalls>,
     features: Features,
     caps: Caps,
     memory: vk::PhysicalDeviceMemoryProperties,
@@ -81,7 +89,7 @@ impl Device {
     /// Uses a host engine's device.
     ///
     /// # Errors
-    /// [`Error::Vulkan`] if the allocator cannot be made.
+    /// [`Error::Unsupported`] if the allocator cannot be made, or a function of a feature is missing.
     ///
     /// # Safety
     /// The handles belong together, the features named are enabled, and the host keeps all of it alive until
@@ -96,9 +104,7 @@ impl Device {
     pub(super) unsafe fn new(host: HostDevice, owned: Option<OwnedDevice>) -> Result<Self> {
         let HostDevice { instance, physical_device, device, queue_family, queue, callbacks, .. } = host;
         // SAFETY: the caller's promise.
-        let mut caps = unsafe { Caps::query(&instance, physical_device, queue_family) };
-        // What was not enabled is not there, so that plans do without.
-        caps.rasterization_order_attachment_access &= host.features.ordered_attachment_access;
+        let caps = unsafe { Caps::query(&instance, physical_device, queue_family) };
         // SAFETY: the caller's promise.
         let memory = unsafe { instance.get_physical_device_memory_properties(physical_device) };
         let allocator = match host.allocator {
@@ -107,6 +113,11 @@ impl Device {
         };
         let debug_utils =
             host.features.debug_utils.then(|| ash::ext::debug_utils::Device::new(&instance, &device));
+        let rendering_calls = host.features.local_read.then(|| {
+            // SAFETY: the caller's promise.
+            unsafe { RenderingCalls::load(&instance, device.handle()) }
+        });
+        let rendering_calls = rendering_calls.transpose()?;
         let shared = Shared {
             allocator,
             instance,
@@ -116,6 +127,7 @@ impl Device {
             queue: Mutex::new(queue),
             callbacks,
             debug_utils,
+            rendering_calls,
             features: host.features,
             caps,
             memory,
@@ -155,6 +167,19 @@ impl Device {
         &self.shared.caps
     }
 
+    /// What plans for this device may ask of it: what it can do, less what was not enabled.
+    pub fn limits(&self) -> Limits {
+        let Features { ordered_attachment_access, sample_rate_shading, local_read, .. } = self.features();
+        let mut limits = self.caps().limits();
+        limits.ordered_attachment_access &= ordered_attachment_access;
+        limits.sample_shading &= sample_rate_shading;
+        if !local_read && limits.merging.local_read.is_ok() {
+            let reason = "the device was made without dynamicRenderingLocalRead";
+            limits.merging = Merging { local_read: Err(reason), ..Merging::default() };
+        }
+        limits
+    }
+
     /// What is enabled.
     pub fn features(&self) -> Features {
         self.shared.features
@@ -182,6 +207,11 @@ impl Device {
 
     pub(crate) fn debug_utils(&self) -> Option<&ash::ext::debug_utils::Device> {
         self.shared.debug_utils.as_ref()
+    }
+
+    /// What renderings are recorded with, where local reads are enabled.
+    pub(crate) fn rendering_calls(&self) -> Option<&RenderingCalls> {
+        self.shared.rendering_calls.as_ref()
     }
 
     pub(crate) fn callbacks(&self) -> Option<&vk::AllocationCallbacks<'static>> {
@@ -275,6 +305,7 @@ mod tests {
             let ours = unsafe { Device::from_host(lent) }.unwrap();
             let buffer = Buffer::new(&ours, &desc).unwrap();
             assert_eq!(ours.caps(), theirs.caps());
+            assert_eq!(ours.limits(), theirs.limits());
             assert_eq!(ours.live().objects["buffer"], 1);
             assert_eq!(theirs.live(), Live::default());
             drop((buffer, ours));

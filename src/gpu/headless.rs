@@ -3,7 +3,7 @@
 use super::validation::Messages;
 use super::{Called, Caps, Device, Features, HostDevice};
 use crate::{Error, Result};
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 use std::ffi::{CStr, CString};
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
@@ -233,6 +233,7 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
         .pipeline_statistics_query(caps.pipeline_statistics)
         .image_cube_array(caps.image_cube_array)
         .occlusion_query_precise(caps.occlusion_precise)
+        .independent_blend(caps.local_read)
         .sample_rate_shading(caps.sample_rate_shading);
     // SAFETY: the device was enumerated from this instance.
     let offered = unsafe { instance.raw.enumerate_device_extension_properties(physical_device) };
@@ -244,7 +245,23 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
     let mut order =
         order.into_iter().filter(|name| offered.iter().any(|e| e.extension_name_as_c_str() == Ok(name)));
     let order = order.next().filter(|_| caps.rasterization_order_attachment_access);
-    let extensions: Vec<_> = order.iter().map(|name| name.as_ptr()).collect();
+    // The last three are what the first builds on before Vulkan 1.3.
+    let rendering = [
+        khr::dynamic_rendering_local_read::NAME,
+        khr::dynamic_rendering::NAME,
+        khr::depth_stencil_resolve::NAME,
+        khr::create_renderpass2::NAME,
+    ];
+    let rendering = rendering.iter().filter(|_| caps.local_read);
+    let feedback = [ext::subpass_merge_feedback::NAME, khr::create_renderpass2::NAME];
+    let feedback = feedback.iter().filter(|_| caps.subpass_merge_feedback);
+    let mut extensions: Vec<_> = order.iter().chain(rendering).chain(feedback).copied().collect();
+    extensions.sort();
+    extensions.dedup();
+    let extensions: Vec<_> = extensions.into_iter().map(|name| name.as_ptr()).collect();
+    let mut local_read =
+        vk::PhysicalDeviceDynamicRenderingLocalReadFeaturesKHR::default().dynamic_rendering_local_read(true);
+    let mut dynamic_rendering = vk::PhysicalDeviceDynamicRenderingFeatures::default().dynamic_rendering(true);
     let mut ordered_access = vk::PhysicalDeviceRasterizationOrderAttachmentAccessFeaturesEXT::default()
         .rasterization_order_color_attachment_access(true);
     let info = vk::DeviceCreateInfo::default()
@@ -252,6 +269,16 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
         .enabled_extension_names(&extensions)
         .enabled_features(&features);
     let info = if order.is_some() { info.push_next(&mut ordered_access) } else { info };
+    let info = match caps.local_read {
+        true => info.push_next(&mut local_read).push_next(&mut dynamic_rendering),
+        false => info,
+    };
+    let mut merge_feedback =
+        vk::PhysicalDeviceSubpassMergeFeedbackFeaturesEXT::default().subpass_merge_feedback(true);
+    let info = match caps.subpass_merge_feedback {
+        true => info.push_next(&mut merge_feedback),
+        false => info,
+    };
     // SAFETY: the family exists, and the features are those that the device has.
     let raw = unsafe { instance.raw.create_device(physical_device, &info, None) }.called("vkCreateDevice")?;
     let host = HostDevice {
@@ -269,6 +296,8 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
             image_cube_array: caps.image_cube_array,
             occlusion_precise: caps.occlusion_precise,
             ordered_attachment_access: order.is_some(),
+            local_read: caps.local_read,
+            subpass_merge_feedback: caps.subpass_merge_feedback,
             sample_rate_shading: caps.sample_rate_shading,
         },
     };

@@ -199,6 +199,7 @@ impl Offscreen {
             device: device.caps().name.clone(),
             driver: device.caps().driver.clone(),
             has_lazy_memory: device.caps().lazily_allocated_memory,
+            merging: self.renderer.merge_reports(),
             gpu_frame_ms: median_of(&|m| until(m, stamps.checked_sub(1)?)).map(Figure::driver),
             gpu_stage_ms: stage_ms.collect(),
             cpu_record_ms: median_of(&|m| Some(m.record_ms)),

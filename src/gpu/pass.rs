@@ -1,16 +1,126 @@
-//! Vulkan render passes from the plan's.
+//! The plan's passes in Vulkan: as render passes, or as renderings.
 
 use ash::vk;
 
-use super::{Device, Owned, conv};
-use crate::plan::{Dependency, Pass, Plan, Subpass};
+use super::rendering::{Rendering, RenderingTarget};
+use super::{Device, Owned, Recorder, conv, merge_feedback};
+use crate::plan::{Dependency, Load, MergeReport, Pass, PassAttachment, Plan, Strategy, Subpass};
 use crate::{Error, Result};
 
-/// Creates what the plan says, nothing more.
-///
-/// # Errors
-/// [`Error::Vulkan`]; [`Error::Unsupported`] if the plan needs a feature that the device was made without.
-pub fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<Owned<vk::RenderPass>> {
+/// A pass of the plan.
+pub enum VulkanPass {
+    /// A render pass, whose subpasses are the stages; and what the driver makes of them, where it says so.
+    RenderPass(Owned<vk::RenderPass>, Option<MergeReport>),
+    /// A dynamic rendering with local reads.
+    Rendering(Rendering),
+}
+
+/// What a pass draws to.
+pub enum PassTarget {
+    /// With a value for each attachment up to the last that is cleared.
+    Framebuffer(Owned<vk::Framebuffer>, Vec<vk::ClearValue>),
+    /// Images.
+    Rendering(RenderingTarget),
+}
+
+impl VulkanPass {
+    /// Creates what the plan says, nothing more.
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`]; [`Error::Unsupported`] if the plan needs a feature that the device was made without.
+    pub fn new(device: &Device, plan: &Plan, pass: &Pass) -> Result<Self> {
+        check_features(device, pass)?;
+        match plan.strategy {
+            Strategy::LocalRead => Rendering::new(device, plan, pass).map(Self::Rendering),
+            _ => create_render_pass(device, plan, pass),
+        }
+    }
+
+    /// What the driver says it makes of subpasses.
+    pub fn merge_report(&self) -> Option<&MergeReport> {
+        match self {
+            Self::RenderPass(_, report) => report.as_ref(),
+            Self::Rendering(_) => None,
+        }
+    }
+
+    /// The pass's target. `of` gives image and view of each of [`Plan::attachments`].
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`].
+    pub fn target(
+        &self,
+        device: &Device,
+        plan: &Plan,
+        pass: &Pass,
+        extent: vk::Extent2D,
+        of: &dyn Fn(usize) -> (vk::Image, vk::ImageView),
+    ) -> Result<PassTarget> {
+        let raw = match self {
+            Self::RenderPass(raw, _) => raw.raw(),
+            Self::Rendering(rendering) => return Ok(PassTarget::Rendering(rendering.target(plan, pass, of))),
+        };
+        let views: Vec<_> = pass.attachments.iter().map(|a| of(a.attachment).1).collect();
+        let info = vk::FramebufferCreateInfo::default()
+            .render_pass(raw)
+            .attachments(&views)
+            .width(extent.width)
+            .height(extent.height)
+            .layers(1);
+        // SAFETY: views are alive and of the formats that the pass was made from.
+        let framebuffer = unsafe { device.create_framebuffer(&info, &pass.name) }?;
+        Ok(PassTarget::Framebuffer(framebuffer, clear_values(plan, pass)))
+    }
+
+    /// Begins the pass, at its first stage.
+    pub fn begin(&self, recorder: &Recorder<'_>, target: &PassTarget, area: vk::Rect2D) {
+        match (self, target) {
+            (Self::RenderPass(raw, _), PassTarget::Framebuffer(framebuffer, clear_values)) => {
+                let info = vk::RenderPassBeginInfo::default()
+                    .render_pass(raw.raw())
+                    .framebuffer(framebuffer.raw())
+                    .render_area(area)
+                    .clear_values(clear_values);
+                let contents = vk::SubpassContents::INLINE;
+                // SAFETY: the framebuffer was made for this pass, with the clear values that it takes.
+                unsafe { recorder.device().raw().cmd_begin_render_pass(recorder.raw(), &info, contents) };
+            }
+            (Self::Rendering(rendering), PassTarget::Rendering(target)) => {
+                rendering.begin(recorder, target, area);
+            }
+            _ => unreachable!("a target is made by its pass"),
+        }
+    }
+
+    /// Goes on to a stage after the first.
+    pub fn next(&self, recorder: &Recorder<'_>, stage: usize) {
+        match self {
+            // SAFETY: the command buffer is recording this pass, which has another subpass.
+            Self::RenderPass(..) => unsafe {
+                let device = recorder.device().raw();
+                device.cmd_next_subpass(recorder.raw(), vk::SubpassContents::INLINE);
+            },
+            Self::Rendering(rendering) => rendering.next(recorder, stage),
+        }
+    }
+
+    /// Ends the pass.
+    pub fn end(&self, recorder: &Recorder<'_>, target: &PassTarget) {
+        match (self, target) {
+            (Self::Rendering(rendering), PassTarget::Rendering(target)) => rendering.end(recorder, target),
+            // SAFETY: the pass is being recorded and its last subpass was entered.
+            _ => unsafe { recorder.device().raw().cmd_end_render_pass(recorder.raw()) },
+        }
+    }
+}
+
+fn clear_values(plan: &Plan, pass: &Pass) -> Vec<vk::ClearValue> {
+    let is_cleared = |a: &PassAttachment| a.load == Load::Clear || a.stencil.0 == Load::Clear;
+    let cleared = pass.attachments.iter().rposition(is_cleared).map_or(0, |last| last + 1);
+    pass.attachments[..cleared].iter().map(|a| conv::clear_value(&plan.attachments[a.attachment])).collect()
+}
+
+fn check_features(device: &Device, pass: &Pass) -> Result<()> {
     if pass.subpasses.iter().any(|s| s.ordered) && !device.features().ordered_attachment_access {
         return Err(Error::unsupported(
             "the plan adds light or decals in the shader, and the device was made without \
@@ -18,6 +128,10 @@ pub fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<O
             "enable it and say so in `Features`, or use --lights clusters, --layout ontile128 or --decals barrier",
         ));
     }
+    Ok(())
+}
+
+fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<VulkanPass> {
     let attachments: Vec<_> = pass
         .attachments
         .iter()
@@ -35,25 +149,30 @@ pub fn create_render_pass(device: &Device, plan: &Plan, pass: &Pass) -> Result<O
         })
         .collect();
     let references: Vec<_> = pass.subpasses.iter().map(References::new).collect();
-    let subpasses: Vec<_> = references.iter().map(References::description).collect();
     let dependencies: Vec<_> = pass.dependencies.iter().map(dependency).collect();
+    if device.features().subpass_merge_feedback {
+        let made = merge_feedback::create_render_pass(device, pass, &attachments, &references, &dependencies);
+        return made.map(|(raw, report)| VulkanPass::RenderPass(raw, Some(report)));
+    }
+    let subpasses: Vec<_> = references.iter().map(References::description).collect();
     let info = vk::RenderPassCreateInfo::default()
         .attachments(&attachments)
         .subpasses(&subpasses)
         .dependencies(&dependencies);
     // SAFETY: every array outlives the call; indices are positions in `pass.attachments` by the plan.
-    unsafe { device.create_render_pass(&info, &pass.name) }
+    let raw = unsafe { device.create_render_pass(&info, &pass.name) }?;
+    Ok(VulkanPass::RenderPass(raw, None))
 }
 
 /// Attachment references of one subpass, kept alive while Vulkan reads them.
-struct References {
-    colors: Vec<vk::AttachmentReference>,
+pub(super) struct References {
+    pub(super) colors: Vec<vk::AttachmentReference>,
     /// As many, or none.
-    resolves: Vec<vk::AttachmentReference>,
-    inputs: Vec<vk::AttachmentReference>,
-    depth: Option<vk::AttachmentReference>,
-    preserve: Vec<u32>,
-    flags: vk::SubpassDescriptionFlags,
+    pub(super) resolves: Vec<vk::AttachmentReference>,
+    pub(super) inputs: Vec<vk::AttachmentReference>,
+    pub(super) depth: Option<vk::AttachmentReference>,
+    pub(super) preserve: Vec<u32>,
+    pub(super) flags: vk::SubpassDescriptionFlags,
 }
 
 impl References {
@@ -112,9 +231,5 @@ fn dependency(d: &Dependency) -> vk::SubpassDependency {
         .src_access_mask(src_access)
         .dst_stage_mask(dst_stages)
         .dst_access_mask(dst_access)
-        .dependency_flags(if d.by_region {
-            vk::DependencyFlags::BY_REGION
-        } else {
-            vk::DependencyFlags::empty()
-        })
+        .dependency_flags(conv::by_region(d.by_region))
 }

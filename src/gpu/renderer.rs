@@ -10,17 +10,16 @@ use ash::vk;
 use glam::Mat4;
 
 use super::fragments::{DrawCount, FragmentQueries};
-use super::pass::create_render_pass;
+use super::pass::VulkanPass;
 use super::pipeline::Pipelines;
 use super::post::PostPasses;
 use super::scene_data::SceneData;
 use super::shadow::{RecordedShadows, ShadowResources, Shadows};
 use super::target::check_formats;
 use super::{
-    Device, Image, OutputImage, Owned, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View,
-    conv,
+    Device, Image, OutputImage, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
-use crate::plan::{FrameCounts, Needs, OutputUse, Plan, State, Usage};
+use crate::plan::{FrameCounts, MergeReport, Needs, OutputUse, Plan, State, Usage};
 use crate::scene::{Decal, Light, Scene};
 use crate::{Error, Result};
 use record::Frame;
@@ -81,8 +80,8 @@ pub struct Renderer {
     /// `None` if the plan has no passes after the frame's own.
     post: Option<Arc<PostPasses>>,
     pipelines: Pipelines,
-    /// Shared with the targets: their framebuffers are of these passes.
-    passes: Arc<[Owned<vk::RenderPass>]>,
+    /// Shared with the targets, which are of these passes.
+    passes: Arc<[VulkanPass]>,
     plan: Plan,
     config: RendererConfig,
     device: Device,
@@ -125,7 +124,7 @@ impl Renderer {
         let passes = plan
             .passes
             .iter()
-            .map(|pass| create_render_pass(device, &plan, pass))
+            .map(|pass| VulkanPass::new(device, &plan, pass))
             .collect::<Result<Arc<[_]>>>()?;
         let pipelines = Pipelines::new(device, &plan, &passes, cache)?;
         let post = PostPasses::new(device, &plan, &pipelines, cache)?.map(Arc::new);
@@ -215,6 +214,12 @@ impl Renderer {
     /// The device.
     pub fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// What the driver says it makes of the subpasses of each render pass; empty where it does not
+    /// ([`Features::subpass_merge_feedback`](super::Features::subpass_merge_feedback)).
+    pub fn merge_reports(&self) -> Vec<MergeReport> {
+        self.passes.iter().filter_map(VulkanPass::merge_report).cloned().collect()
     }
 
     /// What the last [`Self::record`] recorded.

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::descriptor::{Content, DescriptorSets};
+use super::pass::{PassTarget, VulkanPass};
 use super::pipeline::Pipelines;
 use super::post::{PostPasses, PostTarget};
 use super::shader::shared;
-use super::{Device, Image, ImageDesc, Owned, conv};
-use crate::plan::{Format, Load, PassAttachment, Pipeline, Plan, check_size};
+use super::{Device, Image, ImageDesc, conv};
+use crate::plan::{Format, Pipeline, Plan, check_size};
 use crate::{Error, Result};
 
 /// A host's image that frames are drawn to: of the target's size, one sample, one level, of the format
@@ -24,25 +25,24 @@ pub struct OutputImage {
     pub view: vk::ImageView,
 }
 
-/// Attachments, framebuffers and input descriptors for one or more output images of one size, e.g. those of a
+/// Attachments, framebuffers (or what stands for them) and input descriptors for one or more output images of one size, e.g. those of a
 /// swapchain. The images share the other attachments, so frames to them must not overlap on the GPU: submitted to one
 /// queue they do not, because the passes' dependencies order them.
 pub struct Target {
     outputs: Vec<OutputTarget>,
     /// In the order of `Plan::attachments`; the output's place is empty.
     attachments: Vec<Option<Image>>,
-    clear_values: Vec<Vec<vk::ClearValue>>,
     /// `None` if the plan has no passes after the frame's own.
     post: Option<PostTarget>,
     extent: vk::Extent2D,
     /// Its renderer's.
-    passes: Arc<[Owned<vk::RenderPass>]>,
+    passes: Arc<[VulkanPass]>,
 }
 
 /// What depends on the output image.
 struct OutputTarget {
     /// One per pass.
-    framebuffers: Vec<Owned<vk::Framebuffer>>,
+    passes: Vec<PassTarget>,
     sets: Option<DescriptorSets>,
     /// By stage: the index of its set among `sets`.
     set_of_stage: Vec<Option<usize>>,
@@ -56,14 +56,14 @@ impl Target {
     pub(super) fn new(
         device: &Device,
         plan: &Plan,
-        passes: &Arc<[Owned<vk::RenderPass>]>,
+        passes: &Arc<[VulkanPass]>,
         pipelines: &Pipelines,
         post: Option<&PostPasses>,
         size: [u32; 2],
         outputs: &[OutputImage],
         capture: bool,
     ) -> Result<Self> {
-        check_size(size, &device.caps().limits())?;
+        check_size(size, &device.limits())?;
         let attachments = plan
             .attachments
             .iter()
@@ -96,7 +96,7 @@ impl Target {
             post.map(|post| PostTarget::new(device, plan, post, pipelines, images, (hosts, size), &view));
         let post = post.transpose()?;
         let passes = Arc::clone(passes);
-        Ok(Self { outputs, attachments, clear_values: clear_values(plan), post, extent, passes })
+        Ok(Self { outputs, attachments, post, extent, passes })
     }
 
     /// The image of one of the plan's attachments; `None` for the output, which is the host's.
@@ -105,7 +105,7 @@ impl Target {
     }
 
     /// Whether the renderer with these passes created it.
-    pub(super) fn is_of(&self, passes: &Arc<[Owned<vk::RenderPass>]>) -> bool {
+    pub(super) fn is_of(&self, passes: &Arc<[VulkanPass]>) -> bool {
         Arc::ptr_eq(&self.passes, passes)
     }
 
@@ -117,12 +117,8 @@ impl Target {
         self.extent
     }
 
-    pub(super) fn framebuffer(&self, output: usize, pass: usize) -> vk::Framebuffer {
-        self.outputs[output].framebuffers[pass].raw()
-    }
-
-    pub(super) fn clear_values(&self, pass: usize) -> &[vk::ClearValue] {
-        &self.clear_values[pass]
+    pub(super) fn pass(&self, output: usize, pass: usize) -> &PassTarget {
+        &self.outputs[output].passes[pass]
     }
 
     /// The input attachments of a stage.
@@ -135,7 +131,7 @@ impl Target {
 struct OutputBuilder<'a> {
     device: &'a Device,
     plan: &'a Plan,
-    passes: &'a [Owned<vk::RenderPass>],
+    passes: &'a [VulkanPass],
     pipelines: &'a Pipelines,
     attachments: &'a [Option<Image>],
     extent: vk::Extent2D,
@@ -149,21 +145,17 @@ impl OutputBuilder<'_> {
     }
 
     fn build(&self, output: &OutputImage) -> Result<OutputTarget> {
-        let view = |attachment: usize| self.view(output, attachment);
-        let mut framebuffers = Vec::new();
-        for (pass, raw) in self.plan.passes.iter().zip(self.passes) {
-            let views: Vec<_> = pass.attachments.iter().map(|a| view(a.attachment)).collect();
-            let info = vk::FramebufferCreateInfo::default()
-                .render_pass(raw.raw())
-                .attachments(&views)
-                .width(self.extent.width)
-                .height(self.extent.height)
-                .layers(1);
-            // SAFETY: views are alive and of the formats that the pass was made from.
-            framebuffers.push(unsafe { self.device.create_framebuffer(&info, &pass.name) }?);
-        }
+        let of = |attachment: usize| {
+            let image = self.attachments[attachment].as_ref().map_or(output.image, Image::raw);
+            (image, self.view(output, attachment))
+        };
+        let passes = self.plan.passes.iter().zip(self.passes);
+        let passes = passes
+            .map(|(pass, vulkan)| vulkan.target(self.device, self.plan, pass, self.extent, &of))
+            .collect::<Result<_>>()?;
+        let view = |attachment| self.view(output, attachment);
         let (sets, set_of_stage) = self.input_sets(&view)?;
-        Ok(OutputTarget { framebuffers, sets, set_of_stage })
+        Ok(OutputTarget { passes, sets, set_of_stage })
     }
 
     fn input_sets(
@@ -203,25 +195,6 @@ impl OutputBuilder<'_> {
         }
         Ok((Some(sets), set_of_stage))
     }
-}
-
-/// One value per attachment up to the last that is cleared.
-fn clear_values(plan: &Plan) -> Vec<Vec<vk::ClearValue>> {
-    let value = |attachment: &crate::plan::Attachment| {
-        let color = attachment.clear.unwrap_or_default();
-        match attachment.format.is_depth() {
-            true => {
-                vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: color[0], stencil: 0 } }
-            }
-            false => vk::ClearValue { color: vk::ClearColorValue { float32: color } },
-        }
-    };
-    let of_pass = |pass: &crate::plan::Pass| {
-        let is_cleared = |a: &PassAttachment| a.load == Load::Clear || a.stencil.0 == Load::Clear;
-        let cleared = pass.attachments.iter().rposition(is_cleared).map_or(0, |last| last + 1);
-        pass.attachments[..cleared].iter().map(|a| value(&plan.attachments[a.attachment])).collect()
-    };
-    plan.passes.iter().map(of_pass).collect()
 }
 
 /// Checks that the device has every format for what the plan does with it.

@@ -37,7 +37,7 @@ impl Host {
     /// # Errors
     /// As [`Plan::new`] and [`Renderer::new`].
     pub fn new(device: &Device, scene: &Scene, options: &Options, stage_timestamps: bool) -> Result<Self> {
-        let plan = Plan::new(Needs::of(scene), options.clone(), &device.caps().limits())?;
+        let plan = Plan::new(Needs::of(scene), options.clone(), &device.limits())?;
         // Empty: every variant compiles its own pipelines.
         let cache = PipelineCache::new(device, &[])?;
         let config = RendererConfig { frames_in_flight: 1, stage_timestamps, ..Default::default() };

@@ -93,6 +93,8 @@ pub enum State {
     DepthInput,
     /// The same while the stencil beside it is written.
     DepthInputStencil,
+    /// All that the stages of one rendering do: output, tests, input attachment.
+    LocalRead,
     /// Source of copies.
     CopySource,
     /// Sampled.
@@ -113,6 +115,15 @@ impl State {
             (true, true) => Self::DepthInput,
             (true, false) => Self::Depth,
             (false, true) => Self::Input,
+            (false, false) => Self::Color,
+        }
+    }
+
+    /// The one state of an attachment in a rendering whose stages use it like this.
+    pub fn throughout(uses: &[Use], depth: bool) -> Self {
+        match (uses.iter().any(|how| matches!(how, Use::Read | Use::Modify)), depth) {
+            (true, _) => Self::LocalRead,
+            (false, true) => Self::Depth,
             (false, false) => Self::Color,
         }
     }

@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Format, Plan, Store};
+use super::{Format, Plan, Store, Strategy};
 
 /// An Adreno GPU, as far as bins depend on it (freedreno_devices.py; memory: the driver's kernel interface).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -145,9 +145,20 @@ fn planes(attachments: &[Occupancy]) -> Vec<u32> {
 }
 
 impl Plan {
-    /// How the attachments of a pass, in its order, occupy tile memory.
+    /// How the attachments of a pass, in the driver's order, occupy tile memory: those of a render pass in its order, those of a
+    /// rendering from begin to end, depth last.
     pub fn occupancy(&self, pass: usize) -> Vec<Occupancy> {
         let pass = &self.passes[pass];
+        if self.strategy == Strategy::LocalRead {
+            let held = (0..pass.attachments.len()).filter(|&i| pass.is_on_tile(i));
+            let held = held.map(|i| {
+                let super::Attachment { format, samples, .. } =
+                    self.attachments[pass.attachments[i].attachment];
+                Occupancy { format, samples, subpasses: [0, pass.subpasses.len() - 1] }
+            });
+            let (depth, colors): (Vec<_>, Vec<_>) = held.partition(|held| held.format.is_depth());
+            return colors.into_iter().chain(depth).collect();
+        }
         let attachments = pass.attachments.iter().enumerate();
         let held = attachments.filter(|(index, _)| pass.is_on_tile(*index));
         held.map(|(index, used)| {

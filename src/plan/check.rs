@@ -2,7 +2,7 @@
 
 use super::layout::{GBuffer, LightPlace};
 use super::shadow::{LEAST_TEXELS, MOST_TEXELS};
-use super::{LightWay, Limits, Needs, Options, Pass};
+use super::{Attachment, LightWay, Limits, Needs, Options, Pass, Strategy};
 
 /// # Errors
 /// [`crate::Error::Unsupported`] if no image can have this size in pixels.
@@ -47,7 +47,32 @@ pub(super) fn check_shadows(options: &Options) -> crate::Result<()> {
     shadows.tile_texels.map_or(Ok(()), tile)
 }
 
-pub(super) fn check_counts(passes: &[Pass], options: &Options, limits: &Limits) -> crate::Result<()> {
+pub(super) fn check_counts(
+    passes: &[Pass],
+    attachments: &[Attachment],
+    strategy: Strategy,
+    options: &Options,
+    limits: &Limits,
+) -> crate::Result<()> {
+    // A rendering has all colour attachments of its stages at once, whichever of them a stage writes.
+    for pass in passes.iter().filter(|_| strategy == Strategy::LocalRead) {
+        let format = |i: usize| attachments[pass.attachments[i].attachment].format;
+        let is_color = |&i: &usize| pass.is_on_tile(i) && !format(i).is_depth();
+        let wanted = (0..pass.attachments.len()).filter(is_color).count();
+        let most = limits.max_color_attachments;
+        if wanted > most as usize {
+            return Err(crate::Error::unsupported(
+                format!(
+                    "strategy local-read binds all {wanted} colour attachments of {} at once, the device allows {most}",
+                    pass.name
+                ),
+                format!(
+                    "use --strategy subpasses, which binds those of one stage, or another layout than {}",
+                    options.layout
+                ),
+            ));
+        }
+    }
     for subpass in passes.iter().flat_map(|p| &p.subpasses) {
         let checks = [
             ("colour attachments", subpass.colors.len(), limits.max_color_attachments),

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::access::{Access, Scope, State};
+use super::rendering::{self, Rendered};
 use super::stage::{Frame, Resource, Stage, Use};
 use super::{
     Attachment, Dependency, Load, Options, Pass, PassAttachment, Resolve, Store, Strategy, Subpass, Usage,
@@ -63,20 +64,22 @@ impl Touch {
 }
 
 /// Groups stages into passes and derives every operation.
-pub fn passes(frame: &Frame, places: &[Vec<usize>], options: &Options) -> Vec<Pass> {
-    let groups: Vec<Vec<usize>> = match options.strategy {
-        Strategy::Subpasses => vec![(0..frame.stages.len()).collect()],
-        Strategy::Separate => (0..frame.stages.len()).map(|s| vec![s]).collect(),
+pub fn passes(frame: &Frame, places: &[Vec<usize>], options: &Options, strategy: Strategy) -> Vec<Pass> {
+    let groups: Vec<Vec<usize>> = match strategy.is_merged() {
+        true => vec![(0..frame.stages.len()).collect()],
+        false => (0..frame.stages.len()).map(|s| vec![s]).collect(),
     };
     let place_of = |resource| places.iter().position(|p| p.contains(&resource)).unwrap_or(0);
     let mut states: BTreeMap<usize, State> = BTreeMap::new();
-    groups.iter().map(|stages| pass(frame, options, stages, &place_of, &mut states)).collect()
+    let is_rendering = strategy == Strategy::LocalRead;
+    groups.iter().map(|stages| pass(frame, options, stages, is_rendering, &place_of, &mut states)).collect()
 }
 
 fn pass(
     frame: &Frame,
     options: &Options,
     stages: &[usize],
+    is_rendering: bool,
     place_of: &dyn Fn(usize) -> usize,
     states: &mut BTreeMap<usize, State>,
 ) -> Pass {
@@ -93,6 +96,7 @@ fn pass(
     let [first_stage, last_stage] = [stages[0], stages[stages.len() - 1]];
     let mut dependencies = Dependencies::default();
     let mut attachments = Vec::new();
+    let mut rendered = Vec::new();
     for (&attachment, touches) in &touches {
         let [first, last] = [&touches[0], &touches[touches.len() - 1]];
         let depth = frame.resources[first.resource].format.is_depth();
@@ -112,7 +116,9 @@ fn pass(
         let host: Scope = placed.flat_map(|(r, _)| after_frame(frame, options, r)).collect();
         // Later passes of a frame wait for its first one.
         let earlier_host = if states.contains_key(&attachment) { Scope::new() } else { host.clone() };
-        let before = states.get(&attachment).copied().unwrap_or(State::Undefined);
+        let state_before = states.get(&attachment).copied().unwrap_or(State::Undefined);
+        let uses: Vec<_> = touches.iter().flat_map(|t| &t.uses).copied().collect();
+        let during = State::throughout(&uses, depth);
         let is_last = || {
             let uses = |s: &Stage| s.uses.iter().any(|(r, _)| place_of(*r) == attachment);
             !frame.stages[last_stage + 1..].iter().any(uses)
@@ -125,6 +131,8 @@ fn pass(
             State::after_frame(options.output_use)
         } else if is_copied {
             State::CopySource
+        } else if is_rendering {
+            during
         } else {
             State::of(&last.uses, depth)
         };
@@ -137,14 +145,23 @@ fn pass(
         };
 
         dependencies.order_within(frame, touches, depth);
-        dependencies.order_after_outside(first, touches.len() == 1, depth, load, earlier_host);
-        dependencies.order_before_outside(last.subpass, depth, store, outside);
+        let before = order_after_outside(first, touches.len() == 1, depth, load, earlier_host);
+        let later = order_before_outside(depth, store, outside);
+        if is_rendering {
+            rendered.push(Rendered { during, before, after: later.map(|(order, _)| order) });
+        } else {
+            let why = "attachments are used by earlier passes and frames".to_owned();
+            dependencies.add(None, Some(first.subpass), before, why);
+            if let Some((order, why)) = later {
+                dependencies.add(Some(last.subpass), None, order, why.to_owned());
+            }
+        }
         attachments.push(PassAttachment {
             attachment,
             load,
             store,
             stencil: stencil(frame, first.resource, stages),
-            initial: if load == Load::Load { before } else { State::Undefined },
+            initial: if load == Load::Load { state_before } else { State::Undefined },
             last: after,
         });
     }
@@ -156,11 +173,50 @@ fn pass(
         .enumerate()
         .map(|(index, &stage)| subpass(frame, stage, index, &touches, &attachments, &index_of))
         .collect();
-    Pass {
+    let pass = Pass {
         name: stages.iter().map(|&s| frame.stages[s].name).collect::<Vec<_>>().join("+"),
         attachments,
         subpasses,
         dependencies: dependencies.finish(),
+        enter: Vec::new(),
+        leave: Vec::new(),
+    };
+    let held = |attachment| {
+        let resource = &frame.resources[touches[&attachment][0].resource];
+        (resource.format.is_depth(), resource.format.bits() * resource.samples)
+    };
+    if is_rendering { rendering::of(pass, rendered, &held) } else { pass }
+}
+
+/// What must be finished and visible, and what waits for it.
+pub(super) type Order = (Scope, Scope);
+
+/// Orders a pass's first touch after earlier passes and frames, and after what the host did since.
+fn order_after_outside(first: &Touch, is_only: bool, depth: bool, load: Load, host: Scope) -> Order {
+    let mut after = Access::of(&first.uses);
+    after.insert(Access::load(depth, load));
+    if is_only {
+        after.insert(Access::store(depth));
+    }
+    let mut before: Scope = [Access::store(depth), Access::InputRead].into();
+    before.extend(host);
+    (before, after)
+}
+
+/// Orders what is done `outside` with the attachment, or later passes with what is stored, after the last touch; and says why.
+fn order_before_outside(
+    depth: bool,
+    store: Store,
+    outside: Option<(Access, &'static str)>,
+) -> Option<(Order, &'static str)> {
+    let before = [Access::store(depth)].into();
+    match outside {
+        Some((access, why)) => Some(((before, [access].into()), why)),
+        None if store == Store::Store => {
+            let after = [Access::InputRead, Access::load(depth, Load::Load), Access::TransferRead].into();
+            Some(((before, after), "later passes load what is stored"))
+        }
+        None => None,
     }
 }
 
@@ -259,7 +315,7 @@ fn subpass(
 struct Dependencies(BTreeMap<(Option<usize>, Option<usize>), Dependency>);
 
 impl Dependencies {
-    fn add(&mut self, from: Option<usize>, to: Option<usize>, before: Scope, after: Scope, why: String) {
+    fn add(&mut self, from: Option<usize>, to: Option<usize>, (before, after): Order, why: String) {
         let entry = self.0.entry((from, to)).or_insert_with(|| Dependency {
             from,
             to,
@@ -284,14 +340,13 @@ impl Dependencies {
                     frame.resources[b.resource].name
                 );
                 let [before, after] = Access::BETWEEN_DRAWS.map(|access| [access].into());
-                self.add(Some(b.subpass), Some(b.subpass), before, after, why);
+                self.add(Some(b.subpass), Some(b.subpass), (before, after), why);
             }
             let is_last = index + 1 == touches.len();
             let written = touches[..index].iter().rposition(Touch::writes);
             let reads = &touches[written.map_or(0, |w| w + 1)..index];
-            // A write that follows reads is ordered after the earlier write by them. Of depth, whose layout may change with what is
-            // tested and read, validation wants to be told.
-            let written = written.filter(|_| depth || !b.writes() || reads.is_empty()).map(|w| &touches[w]);
+            // A write that follows reads is ordered after the earlier write by them.
+            let written = written.filter(|_| !b.writes() || reads.is_empty()).map(|w| &touches[w]);
             let reads = reads.iter().filter(|_| b.writes() || is_last);
             for a in written.into_iter().chain(reads) {
                 let mut after = Access::of(&b.uses);
@@ -308,7 +363,7 @@ impl Dependencies {
                     (false, true) => format!("{} is read, then overwritten by {}", names[0], names[1]),
                     (false, false) => format!("{} is read twice, then dropped or stored", names[0]),
                 };
-                self.add(Some(a.subpass), Some(b.subpass), Access::of(&a.uses), after, why);
+                self.add(Some(a.subpass), Some(b.subpass), (Access::of(&a.uses), after), why);
             }
         }
     }
@@ -326,36 +381,6 @@ impl Dependencies {
                     direct.after.extend(Access::of(&b.uses));
                 }
             }
-        }
-    }
-
-    /// Orders the pass's first touch after earlier passes and frames, and after what the host did since.
-    fn order_after_outside(&mut self, first: &Touch, is_only: bool, depth: bool, load: Load, host: Scope) {
-        let mut after = Access::of(&first.uses);
-        after.insert(Access::load(depth, load));
-        if is_only {
-            after.insert(Access::store(depth));
-        }
-        let mut before: Scope = [Access::store(depth), Access::InputRead].into();
-        before.extend(host);
-        let why = "attachments are used by earlier passes and frames".to_owned();
-        self.add(None, Some(first.subpass), before, after, why);
-    }
-
-    /// Orders what the host does with the output, or later passes with what is stored, after the last touch.
-    fn order_before_outside(
-        &mut self,
-        last: usize,
-        depth: bool,
-        store: Store,
-        outside: Option<(Access, &str)>,
-    ) {
-        let before = [Access::store(depth)].into();
-        if let Some((access, why)) = outside {
-            self.add(Some(last), None, before, [access].into(), why.into());
-        } else if store == Store::Store {
-            let after = [Access::InputRead, Access::load(depth, Load::Load), Access::TransferRead].into();
-            self.add(Some(last), None, before, after, "later passes load what is stored".into());
         }
     }
 

@@ -89,6 +89,9 @@ pub struct PassReport {
     pub subpasses: Vec<SubpassReport>,
     /// Between subpasses, and to the outside.
     pub dependencies: Vec<super::Dependency>,
+    /// By barriers before and after it: of a rendering; a render pass has none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub transitions: Vec<super::Transition>,
 }
 
 /// One pass after the frame's own.
@@ -128,6 +131,30 @@ pub struct Totals {
     pub shadow_bytes: Figure,
 }
 
+/// What a driver says it makes of a render pass's subpasses (VK_EXT_subpass_merge_feedback).
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct MergeReport {
+    /// The pass's name.
+    pub pass: String,
+    /// How many subpasses are left when some are merged.
+    pub subpasses_left: u32,
+    /// In order of execution.
+    pub subpasses: Vec<SubpassMerge>,
+}
+
+/// One subpass of a [`MergeReport`].
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct SubpassMerge {
+    /// Name.
+    pub name: &'static str,
+    /// `VkSubpassMergeStatusEXT` in lower case: "merged", or why not.
+    pub status: String,
+    /// In the driver's words.
+    pub description: String,
+    /// Which of the subpasses that are left it is in.
+    pub part: u32,
+}
+
 /// What only a device can tell.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct DeviceFigures {
@@ -137,6 +164,8 @@ pub struct DeviceFigures {
     pub driver: String,
     /// Whether a memory type is lazily allocated; where none is, transient attachments take ordinary memory.
     pub has_lazy_memory: bool,
+    /// What becomes of the subpasses of each render pass; empty where the driver does not say.
+    pub merging: Vec<MergeReport>,
     /// Median GPU time of a frame by timestamps, milliseconds.
     pub gpu_frame_ms: Option<Figure>,
     /// Median GPU time of each stage by timestamps, milliseconds, where the device tells them apart.
@@ -171,6 +200,8 @@ pub struct Report {
     pub options: Options,
     /// What the scene needs.
     pub needs: Needs,
+    /// How stages became passes: never "auto".
+    pub strategy: super::Strategy,
     /// Physical attachments.
     pub attachments: Vec<AttachmentReport>,
     /// Render passes.
@@ -256,6 +287,7 @@ impl Plan {
             scene: scene.name.clone(),
             options: self.options.clone(),
             needs: self.needs.clone(),
+            strategy: self.strategy,
             attachments: attachments.collect(),
             passes: self.passes.iter().map(|p| self.pass_report(p)).collect(),
             shadow_map,
@@ -296,6 +328,7 @@ impl Plan {
             name: pass.name.clone(),
             subpasses: subpasses.collect(),
             dependencies: pass.dependencies.clone(),
+            transitions: pass.enter.iter().chain(&pass.leave).cloned().collect(),
         }
     }
 

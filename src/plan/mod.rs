@@ -30,10 +30,12 @@ mod path;
 mod pipeline;
 mod post;
 mod print;
+mod rendering;
 mod samples;
 mod shadow;
 mod shadow_report;
 mod stage;
+mod strategy;
 mod targets;
 #[cfg(test)]
 mod tests;
@@ -51,8 +53,8 @@ pub use decals::{Channels, DecalKind, DecalNeed};
 pub use format::Format;
 pub use layout::{Form, GBuffer, LightPlace, LightTarget, LightWord, Target, Tells};
 pub use ledger::{
-    AttachmentReport, DeviceFigures, Figure, Origin, PassReport, PostPassReport, Report, SubpassReport,
-    Totals,
+    AttachmentReport, DeviceFigures, Figure, MergeReport, Origin, PassReport, PostPassReport, Report,
+    SubpassMerge, SubpassReport, Totals,
 };
 pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};
@@ -64,7 +66,9 @@ pub use names::{
 pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub use options::{Options, ShadowOptions};
-pub use pass::{Attachment, Dependency, Load, Pass, PassAttachment, Resolve, Store, Subpass, Usage};
+pub use pass::{
+    Attachment, Dependency, Load, Pass, PassAttachment, Resolve, Store, Subpass, Transition, Usage,
+};
 pub use pipeline::Pipeline;
 pub use post::{Post, PostImage, PostKind, PostPass, PostPlace, bloom_levels};
 pub use shadow::{
@@ -72,6 +76,7 @@ pub use shadow::{
 };
 pub(crate) use shadow_report::planned_bytes;
 pub use shadow_report::{ShadowFigures, ShadowLightReport, ShadowMapReport};
+pub use strategy::Merging;
 
 use serde::Serialize;
 
@@ -94,6 +99,8 @@ pub struct Limits {
     /// (VK_EXT_rasterization_order_attachment_access). Mesa's Turnip keeps such passes on the tile; on Adreno 6xx it draws that
     /// subpass in its single-primitive mode, which waits where primitives overlap.
     pub ordered_attachment_access: bool,
+    /// What the driver makes of each [`Strategy`].
+    pub merging: Merging,
     /// Samples a pixel that attachments may have: the sum of the counts.
     pub sample_counts: u32,
     /// Likewise of attachments of words.
@@ -114,6 +121,7 @@ impl Default for Limits {
             depth_stencil: Format::D32FloatS8,
             gbuffer_on_chip: true,
             ordered_attachment_access: false,
+            merging: Merging::default(),
             sample_counts: 1 | 4,
             word_sample_counts: 1 | 4,
             sample_shading: true,
@@ -138,6 +146,8 @@ pub struct Plan {
     pub around: Vec<AroundImage>,
     /// What a G-buffer of this plan consists of, whether or not the path has one.
     pub gbuffer: GBuffer,
+    /// How stages became passes: never [`Strategy::Auto`].
+    pub strategy: Strategy,
     /// The path taken: never [`Path::Auto`]. Without lit surfaces they are all the same.
     pub path: Path,
     /// Whether the stage that lights applies the tone curve itself, so that there is no light target.
@@ -165,11 +175,29 @@ impl Plan {
     /// [`crate::Error::Unsupported`] if the limits do not allow the layout or the size, or if the options contradict
     /// each other.
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
+        let (strategy, why) = strategy::resolve(&options, limits)?;
+        let is_best = options.strategy == Strategy::Auto && strategy != Strategy::Subpasses;
+        match Self::by(strategy, why, needs.clone(), options.clone(), limits) {
+            Err(error) if is_best => {
+                let why = format!("strategy: subpasses, since {strategy} does not go: {error}");
+                Self::by(Strategy::Subpasses, Some(why), needs, options, limits)
+            }
+            made => made,
+        }
+    }
+
+    fn by(
+        strategy: Strategy,
+        strategy_why: Option<String>,
+        needs: Needs,
+        options: Options,
+        limits: &Limits,
+    ) -> crate::Result<Self> {
         check_size(options.size, limits)?;
         check_dither(&options)?;
         check_shadows(&options)?;
         around::check(&needs)?;
-        let (path, path_why) = path::resolve(&needs, &options, limits)?;
+        let (path, path_why) = path::resolve(&needs, &options, strategy, limits)?;
         post::check(&options, &needs, path)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
         let gbuffer = GBuffer::new(&options)?;
@@ -183,9 +211,9 @@ impl Plan {
             stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil, decal_way);
         samples::check(&options, path, frame.folded)?;
         let places = derive::place(&frame, &options);
-        let passes = derive::passes(&frame, &places, &options);
+        let passes = derive::passes(&frame, &places, &options, strategy);
         let attachments = derive::attachments(&frame, &places, &passes, &options);
-        check_counts(&passes, &options, limits)?;
+        check_counts(&passes, &attachments, strategy, &options, limits)?;
         samples::check_limits(&attachments, &passes, &options, limits)?;
         let post = Post::new(&options, &attachments);
         let (shadow_map, shadows_told) = ShadowMap::new(&needs.shadows, &options, limits);
@@ -194,6 +222,7 @@ impl Plan {
         let folded = frame.folded;
         let mut notes = options.gbuffer_why.clone();
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
+        notes.extend(strategy_why);
         notes.extend(samples::notes(&options, &attachments));
         notes.extend(path_why);
         notes.extend(why);
@@ -212,6 +241,7 @@ impl Plan {
             pipelines,
             around,
             gbuffer,
+            strategy,
             path,
             folded,
             decal_way,

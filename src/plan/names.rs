@@ -49,6 +49,21 @@ named_enum! {
         Subpasses = "subpasses",
         /// One render pass a stage; attachments are stored and loaded again.
         Separate = "separate",
+        /// One dynamic rendering, in which stages read what the ones before have left in each pixel
+        /// (VK_KHR_dynamic_rendering_local_read).
+        LocalRead = "local-read",
+        /// What keeps the frame on the chip with the driver at hand ([`Merging`](super::Merging)).
+        Auto = "auto",
+    }
+}
+
+impl Strategy {
+    /// What every Vulkan 1.1 device runs.
+    pub const EVERYWHERE: [Self; 2] = [Self::Subpasses, Self::Separate];
+
+    /// Whether the stages of a pass follow each other pixel by pixel, so that nothing between them has to leave the chip.
+    pub fn is_merged(self) -> bool {
+        self != Self::Separate
     }
 }
 

@@ -97,6 +97,25 @@ pub struct Pass {
     pub subpasses: Vec<Subpass>,
     /// Between subpasses, and to the outside.
     pub dependencies: Vec<Dependency>,
+    /// What a barrier before the pass does to each of its attachments; a render pass does it itself and has none.
+    pub enter: Vec<Transition>,
+    /// Likewise what a barrier after the pass does, to those that something waits for.
+    pub leave: Vec<Transition>,
+}
+
+/// An attachment gets from one state to another, outside of a pass.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Transition {
+    /// Position in [`Pass::attachments`].
+    pub attachment: usize,
+    /// The state before.
+    pub from: State,
+    /// The state after.
+    pub to: State,
+    /// What must be finished and visible.
+    pub before: Scope,
+    /// What waits for it.
+    pub after: Scope,
 }
 
 impl Pass {

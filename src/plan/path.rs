@@ -17,7 +17,12 @@ const MOST_FOR_FORWARD_IN_MEMORY: f32 = 20.0;
 ///
 /// # Errors
 /// [`Error::Unsupported`] if a G-buffer is to be kept on a path that has none.
-pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Result<(Path, Option<String>)> {
+pub(super) fn resolve(
+    needs: &Needs,
+    options: &Options,
+    strategy: Strategy,
+    limits: &Limits,
+) -> Result<(Path, Option<String>)> {
     let no_lights = needs.listed_lights() == 0;
     let only_blended = needs.lit.is_some() && needs.lit_opaque.is_none();
     let wants_gbuffer = options.keep_gbuffer || options.edge_filter || options.bloom != BloomWay::Off;
@@ -40,7 +45,7 @@ pub(super) fn resolve(needs: &Needs, options: &Options, limits: &Limits) -> Resu
             (Path::Deferred, Some(format!("path: deferred, since {} need its G-buffer", options.lights)))
         }
         Path::Auto => {
-            let (path, why) = choose(needs.lights_at_a_point, options.strategy, limits);
+            let (path, why) = choose(needs.lights_at_a_point, strategy, limits);
             (path, Some(why))
         }
         Path::ForwardMultipass if needs.lit.is_some() && no_lights => {
@@ -80,14 +85,14 @@ fn choose(lights: f32, strategy: Strategy, limits: &Limits) -> (Path, String) {
     // What is printed is what was compared.
     let lights = (lights * 10.0).round() / 10.0;
     // Between separate passes it is stored and loaded on every device.
-    let on_chip = limits.gbuffer_on_chip && strategy == Strategy::Subpasses;
+    let on_chip = limits.gbuffer_on_chip && strategy.is_merged();
     let most = if on_chip { MOST_FOR_FORWARD_ON_CHIP } else { MOST_FOR_FORWARD_IN_MEMORY };
     let (path, relation) =
         if lights <= most { (Path::Forward, "at most") } else { (Path::Deferred, "more than") };
-    let place = match (on_chip, strategy) {
+    let place = match (on_chip, strategy.is_merged()) {
         (true, _) => "stays on the chip on this device",
-        (_, Strategy::Subpasses) => "goes to memory and back on this device",
-        (_, Strategy::Separate) => "goes to memory and back between separate passes",
+        (_, true) => "goes to memory and back on this device",
+        (_, false) => "goes to memory and back between separate passes",
     };
     let why = format!(
         "path: {path}, since {lights:.1} lights reach a point of the scene on average, {relation} {most:.0}, and a G-buffer \

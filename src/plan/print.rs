@@ -2,14 +2,14 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use super::{Load, Pass, Path, Plan, Store, stage, verdicts};
+use super::{Load, Pass, Path, Plan, Store, Strategy, Transition, stage, verdicts};
 use crate::visible::ShadowShape;
 
 impl Display for Plan {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let o = &self.options;
         let [width, height] = o.size;
-        write!(f, "plan: {width}x{height}, strategy {}, ", o.strategy)?;
+        write!(f, "plan: {width}x{height}, strategy {}, ", self.strategy)?;
         match self.path {
             Path::Deferred => writeln!(f, "layout {} ({})", o.layout, o.layout.source())?,
             path => writeln!(f, "path {path}")?,
@@ -32,6 +32,18 @@ impl Display for Plan {
 }
 
 impl Plan {
+    fn is_local_read(&self) -> bool {
+        self.strategy == Strategy::LocalRead
+    }
+
+    fn pass_word(&self) -> &'static str {
+        if self.is_local_read() { "rendering" } else { "render pass" }
+    }
+
+    fn stage_word(&self) -> &'static str {
+        if self.is_local_read() { "stage" } else { "subpass" }
+    }
+
     fn print_attachments(&self, f: &mut Formatter<'_>) -> Result {
         writeln!(f, "\nattachments: {}", self.attachments.len())?;
         for a in &self.attachments {
@@ -99,7 +111,7 @@ impl Plan {
     }
 
     fn print_pass(&self, f: &mut Formatter<'_>, index: usize, pass: &Pass) -> Result {
-        writeln!(f, "\nrender pass {index}: {}", pass.name)?;
+        writeln!(f, "\n{} {index}: {}", self.pass_word(), pass.name)?;
         let name = |i: usize| self.attachments[pass.attachments[i].attachment].name.as_str();
         let load = |load: Load| match load {
             Load::Load => "LOAD",
@@ -125,9 +137,17 @@ impl Plan {
                 writeln!(f, "  {:<22} load {:<10}  store {:<10}", "  its stencil", load(first), store(last))?;
             }
         }
+        let barriers = |f: &mut Formatter<'_>, when: &str, all: &[Transition]| {
+            all.iter().try_for_each(|t| {
+                let (from, to) = (t.from, t.to);
+                let what = name(t.attachment);
+                writeln!(f, "  barrier {when}, {what}: {from:?} -> {to:?}, {:?} -> {:?}", t.before, t.after)
+            })
+        };
+        barriers(f, "before", &pass.enter)?;
         for (i, s) in pass.subpasses.iter().enumerate() {
             let list = |l: &[usize]| l.iter().map(|&i| name(i)).collect::<Vec<_>>().join(", ");
-            writeln!(f, "  subpass {i} {}: {}", s.name, s.why)?;
+            writeln!(f, "  {} {i} {}: {}", self.stage_word(), s.name, s.why)?;
             if !s.inputs.is_empty() {
                 writeln!(f, "      reads   {}", list(&s.inputs))?;
             }
@@ -159,6 +179,7 @@ impl Plan {
                 s.live_color_bits, s.live_depth_bits
             )?;
         }
+        barriers(f, "after", &pass.leave)?;
         let end = |s: Option<usize>| s.map_or("outside", |s| pass.subpasses[s].name);
         for d in &pass.dependencies {
             let region = if d.by_region { " by region" } else { "" };
@@ -210,8 +231,8 @@ impl Plan {
         writeln!(
             f,
             "  {}, {}, at most {peak} colour bits live on the tile",
-            count(self.passes.len(), "render pass", "es"),
-            count(self.stage_count(), "subpass", "es")
+            count(self.passes.len(), self.pass_word(), if self.is_local_read() { "s" } else { "es" }),
+            count(self.stage_count(), self.stage_word(), if self.is_local_read() { "s" } else { "es" })
         )?;
         if let Some(map) = &self.shadow_map {
             let stored: u64 = (0..map.tiles.len()).map(|tile| map.tile_bytes(tile)).sum();

@@ -175,8 +175,10 @@ prop_compose! {
 }
 
 fn options() -> impl Strategy<Value = Options> {
-    (any::<bool>(), any::<bool>(), any::<bool>()).prop_map(|(separate, recycle, input)| Options {
-        strategy: if separate { super::Strategy::Separate } else { super::Strategy::Subpasses },
+    use super::Strategy::{LocalRead, Separate, Subpasses};
+    let strategy = prop::sample::select(&[Subpasses, Separate, LocalRead]);
+    (strategy, any::<bool>(), any::<bool>()).prop_map(|(strategy, recycle, input)| Options {
+        strategy,
         recycle,
         output_is_input_attachment: input,
         ..Options::default()
@@ -189,15 +191,17 @@ proptest! {
     #[test]
     fn every_stage_finds_what_it_needs_and_nothing_is_superfluous(frame in frames(), options in options()) {
         let places = derive::place(&frame, &options);
-        let passes = derive::passes(&frame, &places, &options);
+        let passes = derive::passes(&frame, &places, &options, options.strategy);
         prop_assert_eq!(interpret(&frame, &places, &passes), Ok(()));
         prop_assert_eq!(check_dependencies(&frame, &places, &passes), Ok(()));
 
+        let is_rendering = options.strategy == super::Strategy::LocalRead;
         for subpass in passes.iter().flat_map(|p| &p.subpasses) {
             let both = subpass.inputs.iter().zip(&subpass.input_states);
             for (input, state) in both {
                 let color = subpass.colors.iter().position(|c| c == input);
-                prop_assert_eq!(color.is_some(), *state == State::InputColor);
+                let expected = if is_rendering { State::LocalRead } else { State::InputColor };
+                prop_assert_eq!(color.is_some() || is_rendering, *state == expected);
                 prop_assert!(color.is_none_or(|c| subpass.color_states[c] == *state && subpass.ordered));
             }
         }
@@ -225,7 +229,7 @@ proptest! {
     #[test]
     fn the_hosts_image_is_written_only_after_the_host_has_used_it(frame in frames(), options in options()) {
         let places = derive::place(&frame, &options);
-        let passes = derive::passes(&frame, &places, &options);
+        let passes = derive::passes(&frame, &places, &options, options.strategy);
         let host = Access::after_frame(options.output_use).unwrap();
         for (attachment, place) in places.iter().enumerate() {
             if !place.iter().any(|&r| frame.resources[r].kept) {
@@ -239,7 +243,35 @@ proptest! {
             let waits = passes[first.unwrap()].dependencies.iter().any(|d| {
                 (d.from, d.to) == (None, Some(subpass)) && d.before.contains(&host)
             });
+            let of_place = |t: &&Transition| passes[first.unwrap()].attachments[t.attachment].attachment == attachment;
+            let enter = passes[first.unwrap()].enter.iter().find(of_place);
+            let waits = waits || enter.is_some_and(|t| t.before.contains(&host));
             prop_assert!(waits, "attachment {attachment}");
+        }
+    }
+
+    #[test]
+    fn attachments_of_a_rendering_have_one_state(frame in frames(), mut options in options()) {
+        options.strategy = super::Strategy::LocalRead;
+        let places = derive::place(&frame, &options);
+        let pass = &derive::passes(&frame, &places, &options, options.strategy)[0];
+        prop_assert!(pass.dependencies.iter().all(|d| d.from.is_some() && d.to.is_some() && d.by_region));
+        prop_assert_eq!(pass.enter.len(), pass.attachments.len());
+        for (index, attachment) in pass.attachments.iter().enumerate() {
+            let enter = &pass.enter[index];
+            prop_assert_eq!((enter.attachment, enter.from), (index, attachment.initial));
+            prop_assert!(!enter.before.is_empty() && !enter.after.is_empty());
+            for s in &pass.subpasses {
+                let of = |list: &[usize], states: &[State]| {
+                    list.iter().zip(states).filter(|(i, _)| **i == index).all(|(_, state)| *state == enter.to)
+                };
+                prop_assert!(of(&s.colors, &s.color_states) && of(&s.inputs, &s.input_states));
+                prop_assert!(s.depth != Some(index) || s.depth_state == Some(enter.to));
+                prop_assert!(s.inputs.iter().all(|&i| pass.enter[i].to == State::LocalRead));
+            }
+            let leaves = pass.leave.iter().find(|t| t.attachment == index);
+            prop_assert_eq!(leaves.is_some(), attachment.store == Store::Store);
+            prop_assert_eq!(leaves.map_or(enter.to, |t| t.to), attachment.last);
         }
     }
 
@@ -248,7 +280,7 @@ proptest! {
         let count = |recycle| {
             let options = Options { recycle, ..options.clone() };
             let places = derive::place(&frame, &options);
-            let passes = derive::passes(&frame, &places, &options);
+            let passes = derive::passes(&frame, &places, &options, options.strategy);
             let moved = passes.iter().flat_map(|p| &p.attachments);
             let moved = moved.filter(|a| a.load == Load::Load).count()
                 + passes.iter().flat_map(|p| &p.attachments).filter(|a| a.store == Store::Store).count();
@@ -264,7 +296,7 @@ proptest! {
     fn one_pass_touches_memory_only_for_what_is_kept(frame in frames(), mut options in options()) {
         options.strategy = super::Strategy::Subpasses;
         let places = derive::place(&frame, &options);
-        let passes = derive::passes(&frame, &places, &options);
+        let passes = derive::passes(&frame, &places, &options, options.strategy);
         prop_assert_eq!(passes.len(), 1);
         let kept = frame.resources.iter().filter(|r| r.kept).count();
         prop_assert!(passes[0].attachments.iter().all(|a| a.load != Load::Load));

@@ -4,6 +4,8 @@
 
 pub mod environments;
 pub mod expected;
+pub mod lavapipe;
+pub mod pairs;
 pub mod render;
 pub mod scenes;
 pub mod swiftshader;

@@ -69,9 +69,14 @@ impl Gpu<'_> {
         &self.cache
     }
 
+    /// Lets the layer say what contains this part.
+    pub fn excuse(&self, part: &'static str) {
+        self.excused.borrow_mut().insert(part);
+    }
+
     /// The plan of a scene on this device.
     pub fn plan(&self, scene: &Scene, options: Options) -> Plan {
-        let plan = Plan::new(Needs::of(scene), options, &self.device.caps().limits());
+        let plan = Plan::new(Needs::of(scene), options, &self.device.limits());
         let plan = plan.unwrap_or_else(|error| panic!("{}: {error}", scene.name));
         self.excused.borrow_mut().extend(expected_advice(&plan));
         plan

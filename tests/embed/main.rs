@@ -76,7 +76,7 @@ fn methods() -> [Options; 6] {
 
 fn plan(device: &Device, scene: &Scene, options: &Options, size: [u32; 2]) -> Plan {
     let options = Options { size, ..options.clone() };
-    Plan::new(Needs::of(scene), options, &device.caps().limits()).unwrap()
+    Plan::new(Needs::of(scene), options, &device.limits()).unwrap()
 }
 
 fn renderer(device: &Device, scene: &Scene, options: &Options) -> Renderer {

@@ -6,7 +6,7 @@ use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
 use ontile::plan::{
-    Access, Adreno, Bins, BloomWay, DecalWay, DepthStore, Layout, LightWay, Limits, Needs, Options,
+    Access, Adreno, Bins, BloomWay, DecalWay, DepthStore, Layout, LightWay, Limits, Merging, Needs, Options,
     Path as LightPath, Plan, Store, Strategy,
 };
 use ontile::scene::Scene;
@@ -117,6 +117,7 @@ impl Case {
             max_color_attachments: 8,
             max_input_attachments: 8,
             ordered_attachment_access: true,
+            merging: Merging { local_read: Ok(()), ..Merging::default() },
             ..Limits::default()
         };
         let mut plan = Plan::new(Needs::of(scene), options, &limits).unwrap();

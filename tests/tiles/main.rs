@@ -131,6 +131,10 @@ fn metallic(scene: &str) -> Case {
     Case::new(scene, Layout::Metallic128)
 }
 
+fn local_read(case: Case) -> Case {
+    Case { strategy: Strategy::LocalRead, ..case }
+}
+
 fn spoilt(fault: Fault) -> Case {
     Case { fault: Some(fault), ..metallic(ALL_STAGES) }
 }
@@ -200,6 +204,15 @@ fn one_pass_stays_on_the_tile() {
         (3, Case { lights: LightWay::Volumes, ..Case::new(ALL_STAGES, Layout::Packed128) }),
         (3, Case { lights: LightWay::Stencil, ..Case::new(ALL_STAGES, Layout::Packed128) }),
         (3, Case { lights: LightWay::Volumes, ..Case::new("lights_only", Layout::Metallic256) }),
+        (3, local_read(metallic(ALL_STAGES))),
+        (3, local_read(Case { recycle: false, ..metallic(ALL_STAGES) })),
+        (3, local_read(Case::new(ALL_STAGES, Layout::Exact))),
+        (3, local_read(Case { lights: LightWay::Stencil, ..Case::new(ALL_STAGES, Layout::Ontile128) })),
+        (3, local_read(Case { lights: LightWay::Volumes, ..Case::new(ALL_STAGES, Layout::Packed128) })),
+        (3, local_read(metallic("before_sky"))),
+        (2, local_read(metallic("shadows"))),
+        (1, local_read(Case { path: LightPath::Forward, ..metallic(ALL_STAGES) })),
+        (4, local_read(Case { depth_prepass: true, ..metallic(ALL_STAGES) })),
     ];
     for (subpasses, case) in &cases {
         frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
@@ -326,6 +339,11 @@ fn wrong_dependencies_are_found_out() {
         frame.expect_objection("Disabling gmem rendering");
         frame.expect_objection("\"normal_roughness\" commits");
         assert_eq!(frame.told.messages, Vec::<String>::new());
+    });
+    // Of a rendering the layer sees it: its barriers are commands. (A barrier that is missing there nobody sees: the layer does
+    // not follow input attachments into renderings. Tests of the plan have to do.)
+    frames(&turnip, &local_read(spoilt(Fault::NotByRegion)), |_, frame| {
+        frame.expect_objection("VUID-vkCmdPipelineBarrier-dependencyFlags-07891");
     });
     // What only validation sees: the driver tiles and does the wrong thing fast.
     frames(&turnip, &spoilt(Fault::StoreNotCovered), |_, frame| {

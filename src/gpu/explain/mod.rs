@@ -78,7 +78,7 @@ impl Explanation {
             add(ExplainedKind::Attachment, attachment.name.clone(), None, attachment.why.join("; "));
         }
         for pass in &plan.passes {
-            let why = match (plan.options.strategy, pass.subpasses.len()) {
+            let why = match (plan.strategy, pass.subpasses.len()) {
                 (_, 1) if plan.passes.len() == 1 => "a frame is at least one pass".into(),
                 (Strategy::Separate, _) => "the strategy separate has a pass for each stage".into(),
                 (_, stages) => format!("its {stages} stages need no more of each other than the same pixel"),

@@ -16,6 +16,7 @@ pub use parts::PipelineParts;
 use state::{FixedState, VertexInput};
 
 use super::descriptor::Binding;
+use super::pass::VulkanPass;
 use super::post::PostParts;
 use super::shader::{AttachmentPlaces, Shaders};
 use super::{Called, Device, Owned, PipelineCache};
@@ -49,7 +50,7 @@ impl Pipelines {
     pub(super) fn new(
         device: &Device,
         plan: &Plan,
-        passes: &[Owned<vk::RenderPass>],
+        passes: &[VulkanPass],
         cache: &PipelineCache,
     ) -> Result<Self> {
         let families: Vec<_> =
@@ -69,7 +70,7 @@ impl Pipelines {
             .map(|((stage, pipeline), family)| {
                 let (pass, subpass, _) = plan.subpass(*stage);
                 let layout = layouts[family].layout.raw();
-                let place = Place { pass: passes[pass].raw(), subpass: subpass as u32, layout };
+                let place = Place { pass: &passes[pass], subpass, layout };
                 builder.build(*stage, pipeline, place)
             })
             .collect::<Result<_>>()?;
@@ -87,9 +88,9 @@ fn drawn_by(plan: &Plan, stage: usize) -> Vec<Option<usize>> {
     plan.pipelines.iter().map(of).collect()
 }
 
-struct Place {
-    pass: vk::RenderPass,
-    subpass: u32,
+struct Place<'a> {
+    pass: &'a VulkanPass,
+    subpass: usize,
     layout: vk::PipelineLayout,
 }
 
@@ -100,7 +101,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn build(&self, index: usize, pipeline: &Pipeline, place: Place) -> Result<Owned<vk::Pipeline>> {
+    fn build(&self, index: usize, pipeline: &Pipeline, place: Place<'_>) -> Result<Owned<vk::Pipeline>> {
         let plan = self.plan;
         let (vertex, fragment, constants) = modules(plan, pipeline);
         let places = AttachmentPlaces::of(plan.subpass(index).2)?;
@@ -125,7 +126,7 @@ impl Builder<'_> {
         stages: &[vk::PipelineShaderStageCreateInfo<'_>],
         input: &VertexInput,
         state: &FixedState,
-        place: Place,
+        place: Place<'_>,
         name: &str,
     ) -> Result<Owned<vk::Pipeline>> {
         let input = vk::PipelineVertexInputStateCreateInfo::default()
@@ -134,11 +135,17 @@ impl Builder<'_> {
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
             .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+        let (mut rendering, blend) = match place.pass {
+            VulkanPass::RenderPass(..) => (None, None),
+            VulkanPass::Rendering(r) => {
+                (Some(r.parts(place.subpass)), Some(r.blend(place.subpass, &state.blend)))
+            }
+        };
         let multisample =
             vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(state.samples);
         let blend = vk::PipelineColorBlendStateCreateInfo::default()
             .flags(state.blend_flags)
-            .attachments(&state.blend);
+            .attachments(blend.as_ref().unwrap_or(&state.blend));
         let dynamic = vk::PipelineDynamicStateCreateInfo::default()
             .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
         let info = vk::GraphicsPipelineCreateInfo::default()
@@ -150,12 +157,23 @@ impl Builder<'_> {
             .multisample_state(&multisample)
             .color_blend_state(&blend)
             .dynamic_state(&dynamic)
-            .layout(place.layout)
-            .render_pass(place.pass)
-            .subpass(place.subpass);
-        let info = match &state.depth {
-            Some(depth) => info.depth_stencil_state(depth),
-            None => info,
+            .layout(place.layout);
+        // Of a rendering's attachments each pipeline knows, depth included.
+        let unused_depth = vk::PipelineDepthStencilStateCreateInfo::default();
+        let info = match (&state.depth, &rendering) {
+            (Some(depth), _) => info.depth_stencil_state(depth),
+            (None, Some(_)) => info.depth_stencil_state(&unused_depth),
+            (None, None) => info,
+        };
+        let info = match (place.pass, &mut rendering) {
+            (VulkanPass::RenderPass(pass, _), _) => {
+                info.render_pass(pass.raw()).subpass(place.subpass as u32)
+            }
+            (_, Some(parts)) => info
+                .push_next(&mut parts.formats)
+                .push_next(&mut parts.locations)
+                .push_next(&mut parts.inputs),
+            (_, None) => info,
         };
         // SAFETY: everything that `info` points to outlives the call, and the modules match the layouts (a test
         // compares them).

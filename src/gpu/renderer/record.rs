@@ -40,14 +40,10 @@ impl Frame<'_> {
         let stages = plan.stage_count();
         let mut stage = 0;
         for (index, pass) in plan.passes.iter().enumerate() {
-            self.begin_pass(index, passes[index].raw());
+            self.begin_pass(index);
             for (subpass, planned) in pass.subpasses.iter().enumerate() {
                 if subpass > 0 {
-                    // SAFETY: the command buffer is recording this pass, which has another subpass.
-                    unsafe {
-                        let device = recorder.device().raw();
-                        device.cmd_next_subpass(recorder.raw(), vk::SubpassContents::INLINE);
-                    }
+                    passes[index].next(recorder, subpass);
                 }
                 let _label = recorder.label(planned.name);
                 self.draw_stage(stage);
@@ -57,8 +53,7 @@ impl Frame<'_> {
                     queries.timestamp(recorder, slot, index, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
                 }
             }
-            // SAFETY: the pass is being recorded and its last subpass was entered.
-            unsafe { recorder.device().raw().cmd_end_render_pass(recorder.raw()) };
+            passes[index].end(recorder, self.target.pass(self.output, index));
         }
         self.record_post();
         let last = if config.stage_timestamps { stages } else { 1 };
@@ -66,14 +61,11 @@ impl Frame<'_> {
         queries.end_statistics(recorder, slot);
     }
 
-    fn begin_pass(&self, index: usize, pass: vk::RenderPass) {
+    /// Begins a pass, with a viewport of the whole area.
+    fn begin_pass(&self, index: usize) {
         let extent = self.target.extent();
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
-        let info = vk::RenderPassBeginInfo::default()
-            .render_pass(pass)
-            .framebuffer(self.target.framebuffer(self.output, index))
-            .render_area(area)
-            .clear_values(self.target.clear_values(index));
+        self.renderer.passes[index].begin(self.recorder, self.target.pass(self.output, index), area);
         let viewport = vk::Viewport {
             x: 0.0,
             y: 0.0,
@@ -83,9 +75,8 @@ impl Frame<'_> {
             max_depth: 1.0,
         };
         let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
-        // SAFETY: the framebuffer was made for this pass, with one clear value per attachment.
+        // SAFETY: the command buffer is recording.
         unsafe {
-            device.cmd_begin_render_pass(raw, &info, vk::SubpassContents::INLINE);
             device.cmd_set_viewport(raw, 0, &[viewport]);
             device.cmd_set_scissor(raw, 0, &[area]);
         }

@@ -93,7 +93,7 @@ pub fn count(
     view: &View<'_>,
     cache: &PipelineCache,
 ) -> Result<Counts> {
-    let limits = device.caps().limits();
+    let limits = device.limits();
     let plan = Plan::new(Needs::of(scene), options.clone(), &limits)?;
     let frame = |scene: &Scene, plan: Plan| -> Result<(Vec<DrawCount>, Offscreen)> {
         let config =

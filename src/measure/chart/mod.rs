@@ -268,7 +268,7 @@ impl<'a> Group<'a> {
         };
         let stage = stage(self.sweep, self.device, &self.cache, &self.unshadowed, self.camera, self.size);
         let [against_reference, against_exact] = self.truths.errors(&stage, choice)?;
-        let limits = self.device.caps().limits();
+        let limits = self.device.limits();
         let (bytes, plan) = bytes(self.scene, self.options(choice), &limits)?;
         let passes: Vec<_> = (0..plan.passes.len()).map(|pass| plan.occupancy(pass)).collect();
         let bins = Adreno::ALL.map(|gpu| {

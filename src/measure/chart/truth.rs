@@ -42,7 +42,7 @@ pub(super) struct Truths {
 
 impl Stage<'_> {
     fn frame(&self, scene: &Scene, options: Options) -> Result<Offscreen> {
-        let plan = Plan::new(Needs::of(scene), options, &self.device.caps().limits())?;
+        let plan = Plan::new(Needs::of(scene), options, &self.device.limits())?;
         let mut offscreen = Offscreen::new(self.device, scene, plan, RendererConfig::default(), self.cache)?;
         offscreen.render(&View { camera: self.camera, exposure_ev: self.exposure_ev })?;
         Ok(offscreen)
@@ -97,7 +97,7 @@ impl Truths {
     /// As [`Offscreen::new`]; [`Error::Unsupported`] if nothing in view is lit, or only edges are.
     pub fn new(stage: &Stage<'_>) -> Result<Self> {
         let exact = Choice::of(Layout::Exact);
-        let plan = Plan::new(Needs::of(stage.scene), stage.in_floats(exact), &stage.device.caps().limits())?;
+        let plan = Plan::new(Needs::of(stage.scene), stage.in_floats(exact), &stage.device.limits())?;
         if !plan.has_gbuffer() {
             return Err(Error::unsupported(
                 format!("nothing in {} is lit, so that it has no G-buffer", stage.scene.name),

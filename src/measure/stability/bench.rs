@@ -67,7 +67,7 @@ impl Bench {
         options: Options,
         config: RendererConfig,
     ) -> Result<Offscreen> {
-        let plan = Plan::new(Needs::of(scene), options, &self.device().caps().limits())?;
+        let plan = Plan::new(Needs::of(scene), options, &self.device().limits())?;
         self.excused.borrow_mut().extend(expected_advice(&plan));
         Offscreen::new(self.device(), scene, plan, config, &self.cache)
     }

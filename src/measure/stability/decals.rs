@@ -135,7 +135,7 @@ fn series(all: bool) -> Vec<Series> {
 fn decals(lab: &Lab<'_>) -> Result<Findings> {
     let bench = lab.bench()?;
     let size = lab.pick([48, 32], [160, 96]);
-    let limits = bench.device().caps().limits();
+    let limits = bench.device().limits();
     let ways = [DecalWay::Barrier, DecalWay::RasterOrder];
     let ways = ways.into_iter().filter(|w| *w == DecalWay::Barrier || limits.ordered_attachment_access);
     let mut findings = Findings::default();
