@@ -5,8 +5,8 @@
 // Input attachments have a value a pixel or, in modules compiled with MULTISAMPLED, one a sample: `input_load` reads that of
 // `input_sample`. There a fragment is a pixel, which reads sample 0 unless it goes through all of them, or (PER_SAMPLE) a sample,
 // which reads its own.
+layout(constant_id = ID_SAMPLE_COUNT) const int SAMPLE_COUNT = 1;
 #ifdef MULTISAMPLED
-layout(constant_id = ID_SAMPLE_COUNT) const int SAMPLE_COUNT = 4;
 layout(constant_id = ID_PER_SAMPLE) const bool PER_SAMPLE = false;
 layout(constant_id = ID_SAMPLE_DEPTH) const bool SAMPLE_DEPTH = false; // depth differs by sample: that of the depth attachment
 #define inputAttachment subpassInputMS

@@ -8,6 +8,14 @@
 
 layout(constant_id = ID_FORM) const uint FORM = FORM_METALLIC;
 
+// Whether it has depth, and no position.
+const bool HAS_DEPTH = FORM == FORM_METALLIC || FORM == FORM_SPECULAR || FORM == FORM_RASA128 || FORM == FORM_PACKED128;
+
+// What EDGE_TARGET holds of a fragment: 0 that its triangle covers the pixel, 1 that it does not; and between them that an alpha
+// mask may have cut it.
+const float EDGE_MASKED = 0.5;
+const float EDGE_PERHAPS = 0.75;
+
 // Whether diffuse light is summed by itself, and albedo applied in the last stage.
 const bool SPLIT_LIGHT = FORM == FORM_RASA128;
 
@@ -26,6 +34,18 @@ layout(location = TARGET_SPECULAR) out vec4 target_specular;
 layout(location = TARGET_WORDS) out uvec4 target_words;
 layout(location = TARGET_MORE_WORDS) out uvec4 target_more_words;
 layout(location = TARGET_LIGHT_WORD) out uvec2 target_light_word;
+
+layout(location = TARGET_EDGE) out float target_edge;
+layout(constant_id = ID_EDGE_TARGET) const bool EDGE_TARGET = false;
+
+// The coverage itself, of which centroid interpolation is but a hint: drivers may leave the centre's value wherever the centre is
+// covered (Thibieroz, "Deferred Shading with Multisampling Anti-Aliasing in DirectX 10", ShaderX7, 2.8).
+void write_edge(bool is_masked) {
+    if (EDGE_TARGET) {
+        bool is_covered = gl_SampleMaskIn[0] == (1 << SAMPLE_COUNT) - 1;
+        target_edge = !is_covered ? 1.0 : is_masked ? EDGE_MASKED : 0.0;
+    }
+}
 
 void write_depth() {
     if (DEPTH_TARGET) {

@@ -16,6 +16,7 @@ void main() {
     if (LIGHT_TARGET || LIGHT_READ) {
         light.rgb = indirect_light(fragment) * (frame.exposure * frame.light_scale);
     }
+    write_edge(ALPHA_MASK);
     gbuffer_write(fragment.surface, fragment.base_color, fragment.metallic, light);
     if (LIGHT_TARGET) {
         light_write(light);

@@ -57,7 +57,30 @@ vec4 material_base_color() {
     return VERTEX_COLOR ? color * varying_color : color;
 }
 
-// True where an alpha mask cuts the surface away (3.9.4).
+// Where devices sample a pixel, relative to its centre (Vulkan specification, "Standard sample locations"): 2, 4 and 8 samples.
+const vec2 SAMPLE_PLACES[14] = vec2[](
+    vec2(4, 4) / 16.0, vec2(-4, -4) / 16.0,
+    vec2(-2, -6) / 16.0, vec2(6, -2) / 16.0, vec2(-6, 2) / 16.0, vec2(2, 6) / 16.0,
+    vec2(1, -3) / 16.0, vec2(-1, 3) / 16.0, vec2(5, 1) / 16.0, vec2(-3, -5) / 16.0,
+    vec2(-5, 5) / 16.0, vec2(-7, -1) / 16.0, vec2(3, 7) / 16.0, vec2(7, -7) / 16.0);
+
+// True where an alpha mask cuts the surface away (3.9.4). Of several samples those are left whose alpha, as far as its gradient tells,
+// reaches the cutoff: the mask's outline covers a pixel as a triangle's does. (Alpha to coverage by fixed function takes the alpha of
+// the first colour output, which in a G-buffer is something else.) Called where derivatives are defined.
 bool material_is_cut(float alpha) {
-    return ALPHA_MASK && alpha < material.emissive_factor_alpha_cutoff.w;
+    if (!ALPHA_MASK) {
+        return false;
+    }
+    float above = alpha - material.emissive_factor_alpha_cutoff.w;
+    if (SAMPLE_COUNT == 1) {
+        return above < 0.0;
+    }
+    vec2 gradient = vec2(dFdx(alpha), dFdy(alpha));
+    int mask = 0;
+    for (int i = 0; i < SAMPLE_COUNT; ++i) {
+        vec2 place = SAMPLE_PLACES[SAMPLE_COUNT - 2 + i];
+        mask |= above + dot(gradient, place) < 0.0 ? 0 : 1 << i;
+    }
+    gl_SampleMask[0] = mask;
+    return mask == 0;
 }

@@ -32,9 +32,13 @@ vec3 view_direction_world() {
     return -normalize(ray_world());
 }
 
-// Where this pixel's surface is: the projection's third row inverted, so that no matrix is needed.
-vec3 position_world(float depth) {
+// Metres along the view axis: the projection's third row inverted, so that no matrix is needed.
+float distance_of(float depth) {
     vec4 d = frame.distance_from_depth;
-    float distance = (d.x + d.y * depth) / (d.z + d.w * depth);
-    return ray_origin_world() + ray_world() * distance;
+    return (d.x + d.y * depth) / (d.z + d.w * depth);
+}
+
+// Where this pixel's surface is.
+vec3 position_world(float depth) {
+    return ray_origin_world() + ray_world() * distance_of(depth);
 }

@@ -44,6 +44,7 @@
 #define INPUT_LIGHT_WORD 10
 #define INPUT_LIGHT 11
 #define INPUT_SPECULAR_LIGHT 12
+#define INPUT_EDGE 20
 
 // Vertex attribute locations.
 #define ATTRIBUTE_POSITION 0
@@ -76,6 +77,7 @@
 #define TARGET_LIGHT 11
 #define TARGET_SPECULAR_LIGHT 12
 #define TARGET_OUTPUT 13
+#define TARGET_EDGE 20
 #define TARGET_BLOOM_LIGHT 14
 
 // Specialisation constant ids.
@@ -141,6 +143,8 @@
 #define ID_SAMPLE_DEPTH 69
 #define ID_RESOLVE_PLAIN 70
 #define ID_FLOAT_OUTPUT 71
+#define ID_EDGE_TARGET 72
+#define ID_EDGE_MASKS 73
 #define ID_BLOOM 80
 #define ID_BLOOM_STORED 81
 #define ID_BLOOM_STEP 82
@@ -220,3 +224,7 @@
 #define VOLUME_SPHERE 1
 #define VOLUME_CONE 2
 #define VOLUME_BOX 3
+
+// Bits of the stencil: pixels that are lit sample by sample, and what counts volumes' sides, from 0 and back to it.
+#define STENCIL_EDGE 128
+#define STENCIL_COUNT 127

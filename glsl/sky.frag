@@ -20,6 +20,7 @@ void main() {
     // Alpha 0: no surface, and so no fog.
     vec4 light = vec4(exposed_light * frame.light_scale, 0.0);
     if (GBUFFER) {
+        write_edge(false);
         gbuffer_write(Surface(vec3(0.0), false, vec3(0.0), 0.0, vec3(0.0), vec3(0.0)), vec3(0.0), 0.0, light);
     }
     if (LIGHT_TARGET) {

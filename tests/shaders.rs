@@ -316,8 +316,14 @@ fn every_constant() -> Specialization {
         translucency: false,
         bloom: BloomWay::Off,
     };
-    let samples =
-        SampleConstants { samples: 4, per_sample: true, sample_depth: true, resolve: ResolveWay::Plain };
+    let samples = SampleConstants {
+        samples: 4,
+        per_sample: true,
+        edge_target: true,
+        edge_masks: true,
+        sample_depth: true,
+        resolve: ResolveWay::Plain,
+    };
     let surface = GeometryConstants::default().specialization();
     surface
         .and(LightingConstants::default().specialization())

@@ -5,6 +5,7 @@ embed![
     "decal.frag",
     "decal.vert",
     "decal_samples.frag",
+    "edges.frag",
     "fog.frag",
     "fog_samples.frag",
     "forward.frag",

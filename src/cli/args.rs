@@ -11,7 +11,7 @@ use ontile::glam::Vec3;
 use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
-    BloomWay, Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, Options,
+    BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, Options,
     OutputFormat, Path, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
 };
 use ontile::scene::{Background, FogHeight, Scene};
@@ -164,7 +164,11 @@ pub struct PlanArgs {
     /// Samples a pixel, as the device allows: 1, 2, 4 or 8
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub samples: u32,
-    /// How they become one: the tone curve and then the mean, or the mean of light and then the tone curve
+    /// Which pixels of several samples are lit sample by sample: all; those whose samples differ in what lighting reads; or those that
+    /// triangles or alpha masks cover in part
+    #[arg(long, value_name = "WAY", default_value_t = Edges::Auto, value_parser = named(Edges::ALL, Edges::name))]
+    pub edges: Edges,
+    /// How samples become one: the tone curve and then the mean, or the mean of light and then the tone curve
     #[arg(long, value_name = "WAY", default_value_t = ResolveWay::Tonemapped, value_parser = named(ResolveWay::ALL, ResolveWay::name))]
     pub resolve: ResolveWay,
     /// Give every attachment its own memory, even where lifetimes do not overlap [default: share]
@@ -223,6 +227,7 @@ impl PlanArgs {
             bloom_radius: self.bloom_radius,
             dither: self.dither,
             samples: self.samples,
+            edges: self.edges,
             resolve: self.resolve,
             decals: self.decals,
             environment_format: self.environment_format.unwrap_or(default.environment_format),

@@ -15,6 +15,7 @@ pub const fn format(f: Format) -> vk::Format {
         Format::Rgb10a2Unorm => vk::Format::A2B10G10R10_UNORM_PACK32,
         Format::B10g11r11Float => vk::Format::B10G11R11_UFLOAT_PACK32,
         Format::R16Float => vk::Format::R16_SFLOAT,
+        Format::R8Unorm => vk::Format::R8_UNORM,
         Format::Rg16Float => vk::Format::R16G16_SFLOAT,
         Format::Rg8Unorm => vk::Format::R8G8_UNORM,
         Format::Rgba16Unorm => vk::Format::R16G16B16A16_UNORM,

@@ -271,6 +271,7 @@ fn decode(format: Format, texels: &[u8]) -> Vec<f32> {
             };
             texels.chunks_exact(2 * channels).flat_map(texel).collect()
         }
+        Format::R8Unorm => texels.iter().flat_map(|&c| [unorm8(c), 0.0, 0.0, 0.0]).collect(),
         Format::Rg8Unorm => {
             texels.chunks_exact(2).flat_map(|t| [unorm8(t[0]), unorm8(t[1]), 0.0, 0.0]).collect()
         }

@@ -56,6 +56,8 @@ pub enum Module {
     Lighting,
     /// Turns the light target into the output.
     Tonemap,
+    /// Marks pixels that are lit sample by sample.
+    Edges,
     /// [`Self::Lighting`] of several samples a pixel.
     LightingSamples,
     /// [`Self::Tonemap`] of several samples a pixel.
@@ -86,7 +88,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -104,6 +106,7 @@ impl Module {
         Self::Bloom,
         Self::LightingSamples,
         Self::TonemapSamples,
+        Self::Edges,
         Self::Fog,
         Self::FogSamples,
         Self::DecalVertex,
@@ -124,6 +127,7 @@ impl Module {
             Self::Lighting | Self::LightingSamples => "lighting.frag",
             Self::Tonemap | Self::TonemapSamples => "tonemap.frag",
             Self::Sky => "sky.frag",
+            Self::Edges => "edges.frag",
             Self::Fullscreen => "fullscreen.vert",
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
@@ -148,7 +152,12 @@ impl Module {
 
     /// What is defined when it is compiled.
     pub fn defines(self) -> &'static [&'static str] {
-        if self.name() == self.source() { &[] } else { &["MULTISAMPLED"] }
+        match self {
+            Self::Edges | Self::LightingSamples | Self::TonemapSamples | Self::FogSamples => {
+                &["MULTISAMPLED"]
+            }
+            _ => &[],
+        }
     }
 
     /// The module that does the same where input attachments have several samples a pixel: itself, if it reads none.

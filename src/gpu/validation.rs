@@ -4,7 +4,7 @@ use ash::vk;
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::plan::{Load, Pass, PassAttachment, Path, Plan, Store};
+use crate::plan::{Edges, Load, Pass, PassAttachment, Path, Plan, Store};
 
 /// Messages of one instance, in order; shared, so that they outlive it.
 #[derive(Clone, Debug, Default)]
@@ -97,6 +97,8 @@ pub fn expected_advice(plan: &Plan) -> Vec<&'static str> {
         (plan.blends_samples_of_floats(), "multisampled-blending"),
         // Likewise of more than 4 samples.
         (plan.options.samples > 4, "too-large-sample-count"),
+        // Separate passes load depth with the stencil that says what edges are, and may need it no more.
+        (plan.passes.len() > 1 && plan.edges != Edges::All, "redundant-attachment-on-tile"),
         // A draw for each light and small object is the way of multi-pass shading, and one for each tile and small caster
         // that of shadow maps. (What can be drawn at once is.)
         (plan.path == Path::ForwardMultipass || plan.shadow_map.is_some(), "many-small-indexed-drawcalls"),

@@ -21,6 +21,8 @@ named_enum! {
         B10g11r11Float = "b10g11r11",
         /// One half float.
         R16Float = "r16f",
+        /// One 8-bit unsigned normalised channel.
+        R8Unorm = "r8",
         /// Two half floats.
         Rg16Float = "rg16f",
         /// Two 8-bit unsigned normalised channels.
@@ -65,6 +67,7 @@ impl Format {
             | Self::D32Float
             | Self::D24Unorm
             | Self::D24UnormS8 => 32,
+            Self::R8Unorm => 8,
             Self::D16Unorm | Self::R16Float | Self::Rg8Unorm => 16,
             Self::D32FloatS8 => 40,
             Self::Rgba16Float | Self::Rgba16Unorm | Self::Rg32Uint => 64,

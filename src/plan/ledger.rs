@@ -385,6 +385,10 @@ impl Plan {
             }
             P::LightMask(shape) => format!("light mask, {shape}"),
             P::LightVolume(shape) => format!("light, {shape}"),
+            P::Edges => format!("edges, by {}", self.edges),
+            P::EdgeLighting | P::EdgeVolume(_) => {
+                format!("{}, by sample", self.pipeline_text(&pipeline.per_pixel()))
+            }
             P::Tonemap => format!("tonemap, {} curve{around}", self.options.tonemap),
         }
     }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{LightWay, Needs, Options, Path, Pipeline};
+use super::{Edges, LightWay, Needs, Options, Path, Pipeline};
 use crate::visible::{Clusters, Grid, Reach};
 
 /// The bounds of one frame's light lists.
@@ -104,16 +104,21 @@ impl LightWay {
     }
 }
 
-/// What draws the lights of a G-buffer.
-pub(super) fn pipelines(needs: &Needs, way: LightWay) -> impl Iterator<Item = Pipeline> {
+/// What draws the lights of a G-buffer; those of edges by sample, once these are marked.
+pub(super) fn pipelines(needs: &Needs, way: LightWay, edges: Edges) -> impl Iterator<Item = Pipeline> {
+    let has_edges = edges != Edges::All;
     let one_by_one = way.is_one_by_one();
     let at_once = !one_by_one || needs.global_lights() > 0;
     let shapes = VolumeShape::needed(needs).filter(move |_| one_by_one);
     let volumes = shapes.flat_map(move |shape| {
         let masked = way == LightWay::Stencil && shape != VolumeShape::Screen;
-        masked.then_some(Pipeline::LightMask(shape)).into_iter().chain([Pipeline::LightVolume(shape)])
+        let mask = masked.then_some(Pipeline::LightMask(shape));
+        let edges = has_edges.then_some(Pipeline::EdgeVolume(shape));
+        mask.into_iter().chain([Pipeline::LightVolume(shape)]).chain(edges)
     });
-    at_once.then_some(Pipeline::Lighting).into_iter().chain(volumes)
+    let marks = has_edges.then_some(Pipeline::Edges).into_iter();
+    let by_sample = (has_edges && at_once).then_some(Pipeline::EdgeLighting);
+    marks.chain(at_once.then_some(Pipeline::Lighting)).chain(by_sample).chain(volumes)
 }
 
 /// What [`Options::lights`] comes to.

@@ -16,6 +16,7 @@ mod choice;
 mod counts;
 mod decals;
 mod derive;
+mod edges;
 mod format;
 mod layout;
 mod ledger;
@@ -60,7 +61,7 @@ pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};
 pub(crate) use names::named_enum;
 pub use names::{
-    BloomWay, Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
+    BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
     OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 pub(crate) use needs::element;
@@ -154,6 +155,8 @@ pub struct Plan {
     pub folded: bool,
     /// How lights reach pixels: what [`Options::lights`] comes to for this scene, never [`LightWay::Auto`].
     pub light_way: LightWay,
+    /// Which pixels are lit sample by sample: what [`Options::edges`] comes to, never [`Edges::Auto`].
+    pub edges: Edges,
     /// With [`LightWay::Clusters`]: the lights of each part of the view, listed for every frame.
     pub clusters: Option<ClusterBudget>,
     /// The shadow map, where lights cast shadows; it is drawn before the first pass.
@@ -207,9 +210,17 @@ impl Plan {
         if path == Path::Deferred && needs.lit_opaque.is_some() {
             check_light(&gbuffer, &needs, &options, light_way, limits)?;
         }
+        let (edges, edges_why) = edges::resolve(&needs, &options, &gbuffer, path, light_way);
         let (decal_way, decals_why) = decals::resolve(&needs, &options, &gbuffer, limits)?.unzip();
-        let frame =
-            stage::Frame::new(&needs, &options, &gbuffer, path, light_way, limits.depth_stencil, decal_way);
+        let frame = stage::Frame::new(
+            &needs,
+            &options,
+            &gbuffer,
+            path,
+            (light_way, edges),
+            limits.depth_stencil,
+            decal_way,
+        );
         samples::check(&options, path, frame.folded)?;
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options, strategy);
@@ -219,12 +230,13 @@ impl Plan {
         let post = Post::new(&options, &attachments);
         let (shadow_map, shadows_told) = ShadowMap::new(&needs.shadows, &options, limits);
         let around = around::images(&needs, &options);
-        let pipelines = pipeline::of(&frame, &needs, light_way);
+        let pipelines = pipeline::of(&frame, &needs, light_way, edges);
         let folded = frame.folded;
         let mut notes = options.gbuffer_why.clone();
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
         notes.extend(strategy_why);
         notes.extend(samples::notes(&options, &attachments));
+        notes.extend(edges_why);
         notes.extend(path_why);
         notes.extend(why);
         notes.extend(decals_why.flatten());
@@ -247,6 +259,7 @@ impl Plan {
             folded,
             decal_way,
             light_way,
+            edges,
             clusters,
             shadow_map,
             post,
@@ -315,6 +328,14 @@ impl Plan {
         let (pass, _, subpass) = self.subpass(stage);
         let drawn = subpass.colors.iter().chain(&subpass.depth).next();
         drawn.map_or(1, |&a| self.attachments[self.passes[pass].attachments[a].attachment].samples)
+    }
+
+    /// Whether a shader compares samples to find edges: where the outlines of triangles do not tell of all.
+    pub fn compares_samples(&self) -> bool {
+        match self.edges {
+            Edges::Coverage => self.needs.kinds.iter().any(|need| need.kind.alpha_mask),
+            edges => edges == Edges::Compare,
+        }
     }
 
     /// Pass, position in it and subpass of a stage.

@@ -265,6 +265,23 @@ named_enum! {
 }
 
 named_enum! {
+    /// Which pixels of several samples are lit sample by sample; the others are lit once.
+    #[derive(Default)]
+    Edges {
+        /// All.
+        All = "all",
+        /// Those whose samples differ in anything that lighting reads.
+        Compare = "compare",
+        /// Those of which a triangle covers only some samples, and those that an alpha mask has cut. An attachment of 8 bits a sample
+        /// says so. Where two surfaces pass through each other each covers all samples: these pixels are missed.
+        Coverage = "coverage",
+        /// [`Self::Compare`], where the stencil can hold what is found.
+        #[default]
+        Auto = "auto",
+    }
+}
+
+named_enum! {
     /// How the samples of a pixel become one.
     #[derive(Default)]
     ResolveWay {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    BloomWay, Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
+    BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
     OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 use crate::environment::TexelFormat;
@@ -97,7 +97,9 @@ pub struct Options {
     pub gbuffer_why: Vec<String>,
     /// Samples a pixel: 1, 2, 4 or 8, as the device allows.
     pub samples: u32,
-    /// How they become one.
+    /// Which pixels are lit sample by sample.
+    pub edges: Edges,
+    /// How samples become one.
     pub resolve: ResolveWay,
     /// How decals that overlap are painted.
     pub decals: DecalWay,
@@ -139,6 +141,7 @@ impl Default for Options {
             lightmap_format: TexelFormat::E5B9G9R9,
             gbuffer_why: Vec::new(),
             samples: 1,
+            edges: Edges::Auto,
             resolve: ResolveWay::Tonemapped,
             decals: DecalWay::Auto,
             bloom: BloomWay::Off,

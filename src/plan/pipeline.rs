@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::stage::{Frame, TRANSLUCENCY, Use};
-use super::{DecalKind, LightWay, Needs, SurfaceKind, VolumeShape, lights};
+use super::{DecalKind, Edges, LightWay, Needs, SurfaceKind, VolumeShape, lights};
 
 /// A graphics pipeline that a frame needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -30,6 +30,12 @@ pub enum Pipeline {
     Tonemap,
     /// Paints decals of one kind over the G-buffer.
     Decal(DecalKind),
+    /// Marks in the stencil the pixels that are lit sample by sample.
+    Edges,
+    /// [`Self::Lighting`] of the samples of marked pixels; that is then for the others.
+    EdgeLighting,
+    /// [`Self::LightVolume`] likewise.
+    EdgeVolume(VolumeShape),
     /// Lays fog over what the G-buffer holds, before blended surfaces are drawn.
     Fog,
 }
@@ -38,6 +44,15 @@ impl Pipeline {
     /// Whether it draws surfaces, not all pixels.
     pub fn is_of_surfaces(&self) -> bool {
         matches!(self, Self::Surface(_) | Self::Depth(_) | Self::Light(_))
+    }
+
+    /// The pipeline that does for pixels what this does for samples; itself, if there is none.
+    pub fn per_pixel(&self) -> Self {
+        match *self {
+            Self::EdgeLighting => Self::Lighting,
+            Self::EdgeVolume(shape) => Self::LightVolume(shape),
+            other => other,
+        }
     }
 
     /// Whether it draws surfaces of this kind.
@@ -51,7 +66,7 @@ impl Pipeline {
 }
 
 /// Those that draw a frame, with the stage they belong to, in order of drawing.
-pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pipeline)> {
+pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay, edges: Edges) -> Vec<(usize, Pipeline)> {
     let stage = |name| frame.stages.iter().position(|s| s.name == name);
     let opaque = || needs.kinds.iter().filter(|n| !n.kind.blend);
     let depths: BTreeSet<_> = opaque().map(|n| n.kind.depth()).collect();
@@ -64,7 +79,7 @@ pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay) -> Vec<(usize, Pip
         lit.map(move |n| (s, Pipeline::Light(n.kind)))
     });
     let lighting =
-        stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way).map(move |p| (s, p)));
+        stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way, edges).map(move |p| (s, p)));
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
     let sky = needs.sky.then_some((surface, Pipeline::Sky));
     let decals = stage("decals")

@@ -34,6 +34,7 @@ pub mod lightmap;
 pub mod path;
 pub mod punctual;
 pub mod quantise;
+pub mod samples;
 pub mod shade;
 pub mod shadow;
 pub mod texture;

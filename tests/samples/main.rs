@@ -4,4 +4,6 @@
 mod common;
 
 mod arrangements;
+mod edges;
 mod refusals;
+mod truth;

@@ -91,4 +91,6 @@ sweeps! {
     shadows_that_do_not_touch "shadow-gap",
     shadows_that_swim "shadow-shimmer",
     decals_where_boxes_end "decals",
+    two_surfaces_in_a_pixel "edges",
+    the_curve_and_the_mean "resolve",
 }

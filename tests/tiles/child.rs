@@ -6,8 +6,8 @@ use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
 use ontile::plan::{
-    Access, Adreno, Bins, BloomWay, DecalWay, DepthStore, Layout, LightWay, Limits, Merging, Needs, Options,
-    Path as LightPath, Plan, Store, Strategy,
+    Access, Adreno, Bins, BloomWay, DecalWay, DepthStore, Edges, Layout, LightWay, Limits, Merging, Needs,
+    Options, Path as LightPath, Plan, Store, Strategy,
 };
 use ontile::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -25,6 +25,8 @@ pub struct Case {
     pub depth_prepass: bool,
     pub strategy: Strategy,
     pub recycle: bool,
+    pub samples: u32,
+    pub edges: Edges,
     pub bloom: BloomWay,
     pub fault: Option<Fault>,
     /// `RendererConfig::capture`.
@@ -82,6 +84,8 @@ impl Case {
             depth_prepass: false,
             strategy: Strategy::Subpasses,
             recycle: true,
+            samples: 1,
+            edges: Edges::Auto,
             bloom: BloomWay::Off,
             fault: None,
             capture: false,
@@ -109,6 +113,8 @@ impl Case {
             depth_prepass: self.depth_prepass,
             recycle: self.recycle,
             decals: self.decals,
+            samples: self.samples,
+            edges: self.edges,
             bloom: self.bloom,
             ..Options::default()
         };
@@ -117,6 +123,8 @@ impl Case {
             max_color_attachments: 8,
             max_input_attachments: 8,
             ordered_attachment_access: true,
+            sample_counts: 7,
+            word_sample_counts: 7,
             merging: Merging { local_read: Ok(()), ..Merging::default() },
             ..Limits::default()
         };

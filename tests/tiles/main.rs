@@ -11,7 +11,9 @@ mod common;
 use child::{Case, Fault, Told};
 use common::turnip::{self, Turnip};
 use ontile::measure::tiler::{TilerTrace, Verdict};
-use ontile::plan::{Bins, BloomWay, DecalWay, DepthStore, Layout, LightWay, Path as LightPath, Strategy};
+use ontile::plan::{
+    Bins, BloomWay, DecalWay, DepthStore, Edges, Layout, LightWay, Path as LightPath, Strategy,
+};
 use serde_json::Value;
 use std::{path::Path, thread};
 
@@ -272,7 +274,10 @@ fn on_tile(gpu: u32, case: &Case, subpasses: usize, frame: &Frame) {
         frame.told.bins.iter().find(|(id, _)| *id == gpu).expect("each GPU's bins are predicted").1;
     assert_eq!(predicted, Some(chosen), "{case:?} on {gpu}: the bins that the plan predicts");
 
-    let bits: u64 = attachments(report).iter().map(|a| a["bits"].as_u64().unwrap()).sum();
+    let bits: u64 = attachments(report)
+        .iter()
+        .map(|a| a["bits"].as_u64().unwrap() * a["samples"].as_u64().unwrap())
+        .sum();
     println!(
         "Adreno {gpu}: {subpasses} subpasses, {}{}: {} bytes a pixel in all attachments, {} bins of {}x{}",
         case.layout,
@@ -305,6 +310,25 @@ fn bloom_leaves_the_pass_whole() {
             assert_eq!(objections, Vec::<String>::new(), "{bloom} on {gpu}");
             assert_eq!(report["totals"]["stored_bytes_per_pixel"]["value"], f64::from(stored));
         });
+    }
+}
+
+#[test]
+fn several_samples_stay_on_the_tile() {
+    let Some(turnip) = turnip::find() else { return };
+    let of = |layout, samples, edges| Case { samples, edges, ..Case::new(ALL_STAGES, layout) };
+    let cases = [
+        (3, of(Layout::Metallic128, 4, Edges::All)),
+        (3, of(Layout::Metallic128, 4, Edges::Compare)),
+        (3, of(Layout::Ontile128, 4, Edges::Compare)),
+        (3, of(Layout::Ontile128, 4, Edges::Coverage)),
+        (3, Case { lights: LightWay::Stencil, ..of(Layout::Ontile96, 4, Edges::Compare) }),
+        (2, of(Layout::Packed128, 4, Edges::Compare)),
+        (3, of(Layout::Metallic128, 2, Edges::Auto)),
+        (1, Case { path: LightPath::Forward, ..of(Layout::Metallic128, 4, Edges::Auto) }),
+    ];
+    for (subpasses, case) in &cases {
+        frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
     }
 }
 

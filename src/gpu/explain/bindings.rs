@@ -43,7 +43,13 @@ impl Elements<'_> {
             return match found {
                 Some((
                     stage,
-                    Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Tonemap | Pipeline::Fog,
+                    Pipeline::Lighting
+                    | Pipeline::LightVolume(_)
+                    | Pipeline::Tonemap
+                    | Pipeline::Fog
+                    | Pipeline::Edges
+                    | Pipeline::EdgeLighting
+                    | Pipeline::EdgeVolume(_),
                 )) => self.input(*stage, binding),
                 Some((stage, Pipeline::Decal(_))) if set == SET_INPUTS => self.input(*stage, binding),
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),

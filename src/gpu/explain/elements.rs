@@ -54,7 +54,7 @@ impl<'a> Elements<'a> {
                 .next()
                 .unwrap_or_default();
         };
-        match pipeline {
+        match &pipeline.per_pixel() {
             Pipeline::Surface(kind) => self.need(|need| need.kind == *kind),
             Pipeline::Depth(kind) => self.need(|need| need.kind.depth() == *kind),
             Pipeline::Light(kind) => self.need(|need| need.kind == *kind),
@@ -74,6 +74,10 @@ impl<'a> Elements<'a> {
                 let need = plan.needs.decals.iter().find(|need| need.kind == *kind);
                 need.map_or_else(String::new, |need| need.why.clone())
             }
+            Pipeline::Edges => {
+                format!("{} samples a pixel: those of edges are lit one by one", plan.options.samples)
+            }
+            Pipeline::EdgeLighting | Pipeline::EdgeVolume(_) => String::new(),
             Pipeline::Fog => {
                 let blended = plan.needs.blended.as_deref().unwrap_or_default();
                 format!("the scene has fog, and {blended} is blended over what is in it")

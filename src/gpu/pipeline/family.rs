@@ -78,6 +78,11 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 15] = {
     ]
 };
 
+/// Whether edges are looked for in the depth attachment.
+fn reads_depth(plan: &Plan) -> bool {
+    plan.gbuffer.reads_depth_attachment() && plan.compares_samples()
+}
+
 impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
@@ -93,11 +98,15 @@ impl Family {
         let lighting = of_lighting.into_iter().filter_map(|(is_read, binding)| is_read.then_some(binding));
         let of_lights: Vec<u32> = match pipeline {
             Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
-            Pipeline::LightVolume(_) => lighting.chain([VOLUMES]).collect(),
+            Pipeline::LightVolume(_) | Pipeline::EdgeVolume(_) => lighting.chain([VOLUMES]).collect(),
+            Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog | Pipeline::Edges => {
+                Vec::new()
+            }
             Pipeline::Decal(_) => vec![DECALS],
-            Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog => Vec::new(),
             Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
-            Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting => lighting.collect(),
+            Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting | Pipeline::EdgeLighting => {
+                lighting.collect()
+            }
         };
         let has_table = plan.options.brdf != Brdf::Fitted;
         let around: &[u32] = match pipeline {
@@ -116,7 +125,10 @@ impl Family {
         };
         let around = around.iter().filter(|&&binding| has_table || binding != SPLIT_SUM);
         let of_surfaces: &[u32] = if pipeline.is_of_surfaces() { &[INSTANCES] } else { &[] };
-        let frame = [FRAME].iter().chain(of_surfaces).chain(&of_lights).chain(around).chain(lightmap);
+        // Where samples lie, if only depth tells.
+        let reads_frame = *pipeline != Pipeline::Edges || reads_depth(plan);
+        let own: &[u32] = if reads_frame { &[FRAME] } else { &[] };
+        let frame = own.iter().chain(of_surfaces).chain(&of_lights).chain(around).chain(lightmap);
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
             Pipeline::LightMask(_) | Pipeline::Sky => SecondSet::Nothing,
@@ -127,7 +139,10 @@ impl Family {
             | Pipeline::LightVolume(_)
             | Pipeline::Tonemap
             | Pipeline::Fog
-            | Pipeline::Decal(_) => SecondSet::Inputs {
+            | Pipeline::Decal(_)
+            | Pipeline::Edges
+            | Pipeline::EdgeLighting
+            | Pipeline::EdgeVolume(_) => SecondSet::Inputs {
                 count: plan.subpass(stage).2.inputs.len() as u32,
                 bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
             },
@@ -203,7 +218,10 @@ pub(in crate::gpu) struct FamilyLayout {
 impl FamilyLayout {
     pub(super) fn new(device: &Device, family: Family) -> Result<Self> {
         let bindings = family.sets();
-        let sets = bindings.iter().filter(|b| !b.is_empty());
+        // Inputs are the second set, even after an empty one.
+        let is_second = matches!(family.second, SecondSet::Inputs { .. });
+        let sets = bindings.iter().enumerate();
+        let sets = sets.filter(|(i, b)| !b.is_empty() || *i == 0 && is_second).map(|(_, b)| b);
         let sets: Vec<_> =
             sets.map(|b| set_layout(device, b, &format!("{family:?}"))).collect::<Result<_>>()?;
         let raw: Vec<_> = sets.iter().map(Owned::raw).collect();

@@ -6,7 +6,7 @@ use super::super::shader::{
     shared, target_number,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{DecalKind, DecalWay, Form, Pipeline, Plan, SurfaceKind, VolumeShape};
+use crate::plan::{DecalKind, DecalWay, Edges, Form, Pipeline, Plan, SurfaceKind, VolumeShape};
 use crate::visible::ShadowShape;
 
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
@@ -33,14 +33,19 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             let constants = SkyConstants { rgbm: is_rgbm(plan), probes: !plan.needs.probes.is_empty() };
             (Module::Fullscreen, Some(Module::Sky), constants.specialization())
         }
-        Pipeline::Lighting => (Module::Fullscreen, Some(Module::Lighting), Specialization::default()),
+        Pipeline::Lighting | Pipeline::EdgeLighting => {
+            (Module::Fullscreen, Some(Module::Lighting), Specialization::default())
+        }
+        Pipeline::Edges => (Module::Fullscreen, Some(Module::Edges), Specialization::default()),
         Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
-        Pipeline::LightVolume(shape) => (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape)),
         Pipeline::Decal(kind) => {
             let surface =
                 GeometryConstants { textures: textures(&kind.surface()), ..GeometryConstants::default() };
             let decal = decal_constants(plan, kind).specialization();
             (Module::DecalVertex, Some(Module::Decal), surface.specialization().and(decal))
+        }
+        Pipeline::LightVolume(shape) | Pipeline::EdgeVolume(shape) => {
+            (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape))
         }
         Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), Specialization::default()),
         Pipeline::Fog => (Module::Fullscreen, Some(Module::Fog), Specialization::default()),
@@ -58,10 +63,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
 fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
     SampleConstants {
         samples: plan.options.samples,
-        per_sample: matches!(
-            pipeline,
-            Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::Fog | Pipeline::Decal(_)
-        ),
+        per_sample: plan.edges == Edges::All
+            || pipeline.per_pixel() != *pipeline
+            || *pipeline == Pipeline::Fog
+            || matches!(pipeline, Pipeline::Decal(_)),
+        edge_target: plan.edges == Edges::Coverage,
+        edge_masks: plan.needs.kinds.iter().any(|need| need.kind.alpha_mask),
         sample_depth: plan.has_gbuffer() && plan.gbuffer.reads_depth_attachment(),
         resolve: plan.options.resolve,
     }
@@ -95,7 +102,7 @@ pub(super) fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingCo
         fold: plan.folded,
     };
     let one_by_one = plan.light_way.is_one_by_one();
-    match pipeline {
+    match pipeline.per_pixel() {
         Pipeline::Lighting if one_by_one => all.only_global(has_shadows(plan, ShadowShape::Cascades)),
         Pipeline::LightVolume(_) => all.one_local(
             [ShadowShape::Slab, ShadowShape::Cone, ShadowShape::Cube].iter().any(|&s| has_shadows(plan, s)),
@@ -110,7 +117,7 @@ fn has_shadows(plan: &Plan, shape: ShadowShape) -> bool {
 
 fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
     // Fog comes before light that is complete.
-    let applies_fog = match pipeline {
+    let applies_fog = match pipeline.per_pixel() {
         Pipeline::Lighting | Pipeline::LightVolume(_) => plan.folded,
         Pipeline::Tonemap => plan.has_gbuffer() && plan.needs.blended.is_none(),
         _ => true,

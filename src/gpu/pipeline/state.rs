@@ -8,7 +8,7 @@ use super::super::scene_data::vertex_streams;
 use super::super::shader::shared;
 use super::super::{StreamKind, conv, texel_bytes};
 use crate::Result;
-use crate::plan::{Pipeline, Plan, Subpass, VolumeShape};
+use crate::plan::{Edges, LightWay, Pipeline, Plan, Subpass, VolumeShape};
 
 /// Vertex attributes in the order of their streams.
 #[derive(Default)]
@@ -67,7 +67,9 @@ impl FixedState {
                 vk::CullModeFlags::BACK
             }
             // The far side of a volume is there wherever the camera is, and covers each pixel once.
-            Pipeline::LightVolume(shape) if *shape != VolumeShape::Screen => vk::CullModeFlags::FRONT,
+            Pipeline::LightVolume(shape) | Pipeline::EdgeVolume(shape) if *shape != VolumeShape::Screen => {
+                vk::CullModeFlags::FRONT
+            }
             // The triangle that stands in for a box that the far plane cuts is turned like its far sides.
             Pipeline::Decal(_) => vk::CullModeFlags::FRONT,
             _ => vk::CullModeFlags::NONE,
@@ -84,10 +86,10 @@ impl FixedState {
             .cull_mode(cull)
             .front_face(front)
             .line_width(1.0);
-        let depth = subpass.depth.map(|_| depth_stencil(subpass, pipeline));
+        let depth = subpass.depth.map(|_| depth_stencil(plan, subpass, pipeline));
         let all =
             vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
-        let one = if matches!(pipeline, Pipeline::LightMask(_)) {
+        let one = if matches!(pipeline, Pipeline::LightMask(_) | Pipeline::Edges) {
             vk::PipelineColorBlendAttachmentState::default()
         } else if matches!(pipeline, Pipeline::Decal(_)) && subpass.blend {
             // Alpha is the opacity, and what the target has there stays.
@@ -127,11 +129,20 @@ impl FixedState {
 }
 
 /// Depth is reversed: nearer is greater.
-fn depth_stencil(subpass: &Subpass, pipeline: &Pipeline) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
+fn depth_stencil(
+    plan: &Plan,
+    subpass: &Subpass,
+    pipeline: &Pipeline,
+) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
     let test = vk::PipelineDepthStencilStateCreateInfo::default()
         .depth_test_enable(true)
         .depth_write_enable(subpass.depth_write);
-    let every = vk::StencilOpState::default().compare_mask(0xff).write_mask(0xff);
+    // Edges keep their bit while volumes are counted in the others.
+    let edge = if plan.edges == Edges::All { 0 } else { const { shared("STENCIL_EDGE") } };
+    let count = const { shared("STENCIL_COUNT") } | (const { shared("STENCIL_EDGE") } ^ edge);
+    let every = vk::StencilOpState::default().compare_mask(0xff).write_mask(count);
+    // Marked pixels, or the others.
+    let own_edge = if pipeline.per_pixel() == *pipeline { 0 } else { edge };
     match pipeline {
         // Surfaces whose depth is there already pass where they are what was found nearest.
         Pipeline::Surface(_) | Pipeline::Depth(_) | Pipeline::Light(_) => {
@@ -150,10 +161,37 @@ fn depth_stencil(subpass: &Subpass, pipeline: &Pipeline) -> vk::PipelineDepthSte
                 .front(count.depth_fail_op(vk::StencilOp::DECREMENT_AND_WRAP))
                 .back(count.depth_fail_op(vk::StencilOp::INCREMENT_AND_WRAP))
         }
-        // Shades what was marked and clears the mark, so that the next light finds none.
-        Pipeline::LightVolume(shape) if subpass.stencil && *shape != VolumeShape::Screen => {
-            let marked = every.compare_op(vk::CompareOp::NOT_EQUAL).pass_op(vk::StencilOp::ZERO);
+        // Shades what was marked and clears the mark, so that the next light finds none: edges first, whose counts are then out of
+        // the way.
+        Pipeline::EdgeVolume(shape)
+            if plan.light_way == LightWay::Stencil && *shape != VolumeShape::Screen =>
+        {
+            let marked = every.reference(edge).compare_op(vk::CompareOp::LESS).pass_op(vk::StencilOp::ZERO);
             test.depth_compare_op(vk::CompareOp::LESS).stencil_test_enable(true).front(marked).back(marked)
+        }
+        Pipeline::LightVolume(shape)
+            if plan.light_way == LightWay::Stencil && *shape != VolumeShape::Screen =>
+        {
+            let marked = every.compare_mask(count).compare_op(vk::CompareOp::NOT_EQUAL);
+            let marked = marked.pass_op(vk::StencilOp::ZERO);
+            test.depth_compare_op(vk::CompareOp::LESS).stencil_test_enable(true).front(marked).back(marked)
+        }
+        Pipeline::Edges => {
+            let mark = every.write_mask(edge).reference(edge).compare_op(vk::CompareOp::ALWAYS);
+            let mark = mark.pass_op(vk::StencilOp::REPLACE);
+            test.depth_test_enable(false).stencil_test_enable(true).front(mark).back(mark)
+        }
+        Pipeline::Lighting | Pipeline::EdgeLighting | Pipeline::LightVolume(_) | Pipeline::EdgeVolume(_)
+            if edge != 0 =>
+        {
+            let own =
+                every.compare_mask(edge).write_mask(0).reference(own_edge).compare_op(vk::CompareOp::EQUAL);
+            // Where the tone curve is applied too, the background is drawn as well.
+            test.depth_test_enable(!plan.folded)
+                .depth_compare_op(vk::CompareOp::LESS)
+                .stencil_test_enable(true)
+                .front(own)
+                .back(own)
         }
         // Surfaces in front of what is drawn: of a volume's far side, or of a triangle at an infinite distance, which
         // leaves out where there is none.

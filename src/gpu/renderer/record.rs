@@ -103,8 +103,8 @@ impl Frame<'_> {
         for (index, (_, pipeline)) in of_stage {
             match pipeline {
                 Pipeline::LightVolume(shape) => self.draw_volumes(stage, index, *shape),
-                // Drawn in turns with the pipeline that follows it.
-                Pipeline::LightMask(_) => {}
+                // Drawn in turns with the volumes between them.
+                Pipeline::LightMask(_) | Pipeline::EdgeVolume(_) => {}
                 _ => self.counted(stage, index, None, |frame| {
                     frame.bind_with_inputs(stage, index);
                     frame.draw_generated(3, 0..1);
@@ -123,21 +123,30 @@ impl Frame<'_> {
             VolumeShape::Box => 36,
         };
         let lights = scene.light_volumes(shape);
+        // The same for the samples of edges.
+        let edges = Some(pipeline + 1)
+            .filter(|&p| plan.pipelines.get(p).is_some_and(|(_, next)| *next == Pipeline::EdgeVolume(shape)));
         let mask = pipeline.checked_sub(1).filter(|&p| plan.pipelines[p].1 == Pipeline::LightMask(shape));
         match mask {
             _ if lights.is_empty() => {}
-            None => self.counted(stage, pipeline, None, |frame| {
-                frame.bind_with_inputs(stage, pipeline);
-                frame.draw_generated(vertices, lights);
-            }),
+            None => {
+                for pipeline in [pipeline].into_iter().chain(edges) {
+                    self.counted(stage, pipeline, None, |frame| {
+                        frame.bind_with_inputs(stage, pipeline);
+                        frame.draw_generated(vertices, lights.clone());
+                    });
+                }
+            }
             Some(mask) => {
                 for light in lights {
                     self.bind_pipeline(mask);
                     self.draw_generated(vertices, light..light + 1);
-                    self.counted(stage, pipeline, None, |frame| {
-                        frame.bind_with_inputs(stage, pipeline);
-                        frame.draw_generated(vertices, light..light + 1);
-                    });
+                    for pipeline in edges.into_iter().chain([pipeline]) {
+                        self.counted(stage, pipeline, None, |frame| {
+                            frame.bind_with_inputs(stage, pipeline);
+                            frame.draw_generated(vertices, light..light + 1);
+                        });
+                    }
                 }
             }
         }
@@ -260,8 +269,14 @@ impl Frame<'_> {
         unsafe { device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::GRAPHICS, pipeline) };
         self.counts.state_changes.pipelines += 1;
         let layout = pipelines.layout_of(index).layout.raw();
-        let set = scene.frame_set(self.slot, pipelines.families[index]);
-        let bound = Some((set, pipelines.families[index].has_push_constants()));
+        let family = pipelines.families[index];
+        if family.frame() == 0 {
+            // Its layout is another one's from the first set on.
+            self.bound_frame = None;
+            return layout;
+        }
+        let set = scene.frame_set(self.slot, family);
+        let bound = Some((set, family.has_push_constants()));
         if self.bound_frame != bound {
             self.bind_set(layout, 0, set);
             self.bound_frame = bound;

@@ -336,6 +336,10 @@ pub struct SampleConstants {
     pub samples: u32,
     /// A fragment is a sample; else a pixel.
     pub per_sample: bool,
+    /// Geometry says where triangles cover only some samples.
+    pub edge_target: bool,
+    /// Some surfaces have alpha masks.
+    pub edge_masks: bool,
     /// Depth is that of the depth attachment, of each sample; else that of the pixel's centre.
     pub sample_depth: bool,
     /// What the tone curve is applied to.
@@ -348,6 +352,8 @@ impl SampleConstants {
         Specialization::from_pairs(&[
             (const { shared("ID_SAMPLE_COUNT") }, self.samples),
             (const { shared("ID_PER_SAMPLE") }, self.per_sample.into()),
+            (const { shared("ID_EDGE_TARGET") }, self.edge_target.into()),
+            (const { shared("ID_EDGE_MASKS") }, self.edge_masks.into()),
             (const { shared("ID_SAMPLE_DEPTH") }, self.sample_depth.into()),
             (const { shared("ID_RESOLVE_PLAIN") }, (self.resolve == ResolveWay::Plain).into()),
         ])

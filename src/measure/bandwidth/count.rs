@@ -201,7 +201,7 @@ struct Lookups<'a> {
 
 /// Whether a pipeline lights something by lights that may have shadows.
 fn lights(plan: &Plan, pipeline: &Pipeline) -> bool {
-    match pipeline {
+    match &pipeline.per_pixel() {
         Pipeline::Surface(kind) => !kind.unlit && !plan.has_gbuffer() && !plan.has_light_target(),
         Pipeline::Light(_) | Pipeline::LightVolume(_) => true,
         Pipeline::Lighting => !plan.light_way.is_one_by_one() || plan.needs.directional_lights > 0,

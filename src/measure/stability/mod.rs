@@ -19,6 +19,7 @@ mod lights;
 mod normals;
 mod parts;
 mod report;
+mod samples;
 mod shading;
 mod shadows;
 mod sums;
@@ -78,6 +79,8 @@ impl Sweep {
         shadows::PANNING,
         shadows::SHIMMER,
         decals::DECALS,
+        samples::EDGES,
+        samples::RESOLVE,
     ];
 
     /// The sweep of this name.

@@ -3,12 +3,22 @@
 use super::decals;
 use super::depth::Depth;
 use super::{Asked, Frame, Stage, Use, added_light, translucency};
-use crate::plan::LightWay;
 use crate::plan::layout::{LightPlace, Target, Tells};
+use crate::plan::{Edges, Format, LightWay};
+
+/// Where triangles cover a part of a pixel.
+const EDGE: Target = Target {
+    name: "edge",
+    format: Format::R8Unorm,
+    holds: "r: 1 where a triangle covers some samples only, 1/2 where an alpha mask may",
+    used_bits: 2,
+    clear: Some([0.0; 4]),
+    tells: Tells::Surface,
+};
 
 /// Geometry, lighting and, where light is summed before it, the tone curve. `lit` is the first lit material.
 pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
-    let Asked { needs, options, gbuffer, way, .. } = *asked;
+    let Asked { needs, options, gbuffer, way, edges, .. } = *asked;
     let one_by_one = way.is_one_by_one();
     let in_gbuffer = matches!(gbuffer.light, LightPlace::Read(_));
     let light_read = in_gbuffer && (one_by_one || !needs.prelit.is_empty());
@@ -102,7 +112,11 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
         }
     }
 
-    let written = surface.iter().chain(&lights_added).map(|&r| (r, Use::Write));
+    let edge = (edges == Edges::Coverage).then(|| {
+        let why = "triangles that cover a part of a pixel's samples say so".to_owned();
+        frame.add_target(&EDGE, false, why)
+    });
+    let written = surface.iter().chain(&lights_added).chain(&edge).map(|&r| (r, Use::Write));
     let geometry = Stage {
         name: "geometry",
         uses: written.chain(depth.drawn).collect(),
@@ -111,11 +125,12 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
             if needs.kinds.len() == 1 { "1 kind".into() } else { format!("{} kinds", needs.kinds.len()) }
         ),
     };
-    let test = if way == LightWay::Stencil { Use::Stencil } else { Use::DepthTest };
-    let test = depth.resource.filter(|_| one_by_one).map(|depth| (depth, test));
+    let marks_edges = edges != Edges::All;
+    let test = if way == LightWay::Stencil || marks_edges { Use::Stencil } else { Use::DepthTest };
+    let test = depth.resource.filter(|_| one_by_one || marks_edges).map(|depth| (depth, test));
     let depth_read = depth.resource.filter(|_| depth.is_read);
     let how = |r: &usize| (*r, if modified.contains(r) { Use::Modify } else { Use::Read });
-    let read = depth_read.iter().chain(&surface).map(how).chain(test);
+    let read = depth_read.iter().chain(&surface).chain(&edge).map(how).chain(test);
     let adds = |r: &usize| (*r, Use::Blend);
     let lighting = Stage {
         name: "lighting",

@@ -2,7 +2,7 @@
 
 use super::{Asked, Frame, Use};
 use crate::plan::layout::{Target, Tells};
-use crate::plan::{DepthStore, Format, LightWay, Path};
+use crate::plan::{DepthStore, Edges, Format, LightWay, Path};
 
 /// The depth attachment, where a frame has one.
 pub(super) struct Depth {
@@ -16,16 +16,17 @@ pub(super) struct Depth {
 
 /// Adds them where something needs them.
 pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
-    let Asked { needs, options, gbuffer, path, way, depth_stencil, .. } = *asked;
+    let Asked { needs, options, gbuffer, path, way, edges, depth_stencil, .. } = *asked;
     let one_by_one = way.is_one_by_one();
     let opaque = needs.opaque_triangles();
     let before_sky = needs.sky && opaque > 0;
     let hides = opaque > 1 || (opaque == 1 && needs.blended.is_some());
     let is_read = path == Path::Deferred && needs.lit_opaque.is_some() && gbuffer.reads_depth_attachment();
-    if !(hides || one_by_one || before_sky || is_read || options.edge_filter) {
+    let marks_edges = edges != Edges::All;
+    if !(hides || one_by_one || before_sky || is_read || marks_edges || options.edge_filter) {
         return Depth { resource: None, drawn: None, is_read };
     }
-    let stencil = way == LightWay::Stencil;
+    let stencil = way == LightWay::Stencil || marks_edges;
     let target = Target {
         name: match (is_read, stencil) {
             (true, _) => "depth",
@@ -38,9 +39,13 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
             DepthStore::D16 if is_read => Format::D16Unorm,
             _ => Format::D32Float,
         },
-        holds: match stencil {
-            true => "reversed device depth, 0 is far; stencil: surfaces in a light's volume",
-            false => "reversed device depth, 0 is far",
+        holds: match (marks_edges, way) {
+            (true, LightWay::Stencil) => {
+                "reversed device depth, 0 is far; stencil: 1 bit edges, 7 surfaces in a light's volume"
+            }
+            (true, _) => "reversed device depth, 0 is far; stencil: edges",
+            _ if stencil => "reversed device depth, 0 is far; stencil: surfaces in a light's volume",
+            _ => "reversed device depth, 0 is far",
         },
         used_bits: if stencil { depth_stencil.bits() } else { 32 },
         clear: Some([0.0; 4]),
@@ -50,6 +55,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
     why.extend(hides.then(|| format!("{} triangles hide each other", needs.triangles)));
     why.extend(is_read.then(|| "lighting reads it".into()));
     why.extend(one_by_one.then(|| "a light's volume is tested against it".into()));
+    why.extend(marks_edges.then(|| "edges are marked beside it".into()));
     why.extend(before_sky.then(|| "the sky is behind them".into()));
     let depth = frame.add_target(&target, options.keep_gbuffer && is_read, why.join("; "));
     let drawn = if options.depth_prepass && opaque > 0 {

@@ -12,7 +12,7 @@ pub(super) use samples::add as multisample;
 pub use translucency::NAME as TRANSLUCENCY;
 
 use super::layout::{GBuffer, LightTarget, Target};
-use super::{DecalWay, Format, LightWay, Needs, Options, Path, ResolveWay};
+use super::{DecalWay, Edges, Format, LightWay, Needs, Options, Path, ResolveWay};
 
 /// Something that stages write and read, one value a sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,7 +107,7 @@ impl Frame {
         options: &Options,
         gbuffer: &GBuffer,
         path: Path,
-        way: LightWay,
+        (way, edges): (LightWay, Edges),
         depth_stencil: Format,
         decals: Option<DecalWay>,
     ) -> Self {
@@ -125,7 +125,7 @@ impl Frame {
             stages: Vec::new(),
             folded: false,
         };
-        let asked = Asked { needs, options, gbuffer, path, way, depth_stencil, decals };
+        let asked = Asked { needs, options, gbuffer, path, way, edges, depth_stencil, decals };
         let depth = depth::add(&mut frame, &asked);
         match (&needs.lit_opaque, path) {
             (Some(lit), Path::Deferred) => deferred::add(&mut frame, &asked, &depth, lit),
@@ -183,6 +183,7 @@ struct Asked<'a> {
     gbuffer: &'a GBuffer,
     path: Path,
     way: LightWay,
+    edges: Edges,
     depth_stencil: Format,
     decals: Option<DecalWay>,
 }

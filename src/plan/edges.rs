@@ -1,0 +1,33 @@
+//! Which pixels are lit sample by sample.
+
+use super::layout::LightPlace;
+use super::{Edges, GBuffer, LightWay, Needs, Options, Path};
+
+/// What [`Options::edges`] comes to, never [`Edges::Auto`], and why, where that is not what was asked for.
+pub(super) fn resolve(
+    needs: &Needs,
+    options: &Options,
+    gbuffer: &GBuffer,
+    path: Path,
+    way: LightWay,
+) -> (Edges, Option<String>) {
+    if options.samples == 1 || path != Path::Deferred || needs.lit_opaque.is_none() {
+        return (Edges::All, None);
+    }
+    let in_order = way.is_one_by_one() && matches!(gbuffer.light, LightPlace::Read(_));
+    match options.edges {
+        Edges::All => (Edges::All, Some("every sample is lit".into())),
+        asked if in_order => (
+            Edges::All,
+            Some(format!("every sample is lit, not only edges ({asked}): the shader adds light to each sample's own words")),
+        ),
+        Edges::Auto | Edges::Compare => (
+            Edges::Compare,
+            Some("lit once: pixels whose samples agree in what lighting reads; the others are marked in the stencil and lit by sample".into()),
+        ),
+        Edges::Coverage => (
+            Edges::Coverage,
+            Some("lit once: pixels of which no triangle covers a part of the samples only; the others are marked in the stencil and lit by sample".into()),
+        ),
+    }
+}
