@@ -11,12 +11,12 @@ mod reflect;
 mod shader_manifest;
 
 use ontile::gpu::shader::{
-    GBufferConstants, GeometryConstants, KIND_COUNT, LightingConstants, Module, OutputConstants,
-    SampleConstants, Specialization, embedded_names, prune, shared,
+    DecalConstants, GBufferConstants, GeometryConstants, KIND_COUNT, LightingConstants, Module,
+    OutputConstants, SampleConstants, Specialization, embedded_names, prune, shared,
 };
 use ontile::gpu::shared::{
-    ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush, MaterialData,
-    ProbeData, ShadowPush, ShadowViewData,
+    ClusterGrid, DecalData, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush,
+    MaterialData, ProbeData, ShadowPush, ShadowViewData,
 };
 use ontile::plan::{BloomWay, Brdf, GBuffer, ResolveWay, Tonemap};
 use reflect::{Block, Reflection, block};
@@ -134,7 +134,7 @@ fn names_are_unique() {
     assert_eq!(all.iter().map(|m| m.name()).collect::<BTreeSet<_>>().len(), all.len());
 }
 
-fn blocks() -> [Block; 10] {
+fn blocks() -> [Block; 11] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -189,6 +189,18 @@ fn blocks() -> [Block; 10] {
         block!("ShadowPush" = ShadowPush { clip_from_world, nearest_depth }),
         block!("Probe" = ProbeData { probe_from_world_rows, half_size, falloff, rotation, scale, padding }),
         block!("Environment" = EnvironmentUniforms { irradiance, rotation, scale, last_level }),
+        block!(
+            "Decal" = DecalData {
+                world_from_decal_rows,
+                decal_from_world_rows,
+                opacity,
+                inverse_falloff,
+                handedness,
+                facing,
+                whole_image,
+                padding,
+            }
+        ),
     ]
 }
 
@@ -320,6 +332,7 @@ fn every_constant() -> Specialization {
         .and(GBufferConstants::new(&GBuffer::exact()).specialization())
         .and(Specialization::brdf(Brdf::Exact))
         .and(Specialization::volume(0))
+        .and(DecalConstants::default().specialization())
         .and(every_constant_of_bloom())
 }
 

@@ -2,6 +2,9 @@
 embed![
     "base.frag",
     "bloom.frag",
+    "decal.frag",
+    "decal.vert",
+    "decal_samples.frag",
     "edges.frag",
     "fog.frag",
     "fog_samples.frag",

@@ -14,6 +14,7 @@ mod budget;
 mod check;
 mod choice;
 mod counts;
+mod decals;
 mod derive;
 mod edges;
 mod format;
@@ -49,6 +50,7 @@ pub use bins::{Adreno, Bins, Occupancy};
 pub use budget::{Verdict, verdicts};
 pub use choice::Choice;
 pub use counts::{FrameCounts, Seen, StateChanges};
+pub use decals::{Channels, DecalKind, DecalNeed};
 pub use format::Format;
 pub use layout::{Form, GBuffer, LightPlace, LightTarget, LightWord, Target, Tells};
 pub use ledger::{
@@ -59,7 +61,7 @@ pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};
 pub(crate) use names::named_enum;
 pub use names::{
-    BloomWay, Brdf, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
+    BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
     OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 pub(crate) use needs::element;
@@ -163,6 +165,8 @@ pub struct Plan {
     pub post: Post,
     /// Decisions that a reader may wonder about.
     pub notes: Vec<String>,
+    /// How decals are ordered, never [`DecalWay::Auto`]; `None` without decals.
+    pub decal_way: Option<DecalWay>,
     /// What the options or the limits leave out of what the scene asks for; the program tells them.
     pub warnings: Vec<String>,
 }
@@ -175,6 +179,7 @@ impl Plan {
     /// each other.
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
         let (strategy, why) = strategy::resolve(&options, limits)?;
+        let (strategy, why) = decals::strategy(&needs, &options, (strategy, why))?;
         let is_best = options.strategy == Strategy::Auto && strategy != Strategy::Subpasses;
         match Self::by(strategy, why, needs.clone(), options.clone(), limits) {
             Err(error) if is_best => {
@@ -206,8 +211,16 @@ impl Plan {
             check_light(&gbuffer, &needs, &options, light_way, limits)?;
         }
         let (edges, edges_why) = edges::resolve(&needs, &options, &gbuffer, path, light_way);
-        let frame =
-            stage::Frame::new(&needs, &options, &gbuffer, path, (light_way, edges), limits.depth_stencil);
+        let (decal_way, decals_why) = decals::resolve(&needs, &options, &gbuffer, limits)?.unzip();
+        let frame = stage::Frame::new(
+            &needs,
+            &options,
+            &gbuffer,
+            path,
+            (light_way, edges),
+            limits.depth_stencil,
+            decal_way,
+        );
         samples::check(&options, path, frame.folded)?;
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options, strategy);
@@ -226,6 +239,8 @@ impl Plan {
         notes.extend(edges_why);
         notes.extend(path_why);
         notes.extend(why);
+        notes.extend(decals_why.flatten());
+        notes.extend(decals::note(&needs));
         notes.extend(clusters.map(|c| c.to_string()));
         notes.extend(shadows_told.notes);
         let warnings =
@@ -242,6 +257,7 @@ impl Plan {
             strategy,
             path,
             folded,
+            decal_way,
             light_way,
             edges,
             clusters,

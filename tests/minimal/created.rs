@@ -18,8 +18,8 @@ fn names<'a>(all: impl Iterator<Item = &'a str>) -> Names {
 }
 
 /// Buffers that every frame slot has of its own.
-const OF_A_SLOT: [&str; 7] =
-    ["frame", "instances", "lights", "light lists", "lightmap parts", "shadow views", "casters"];
+const OF_A_SLOT: [&str; 8] =
+    ["decals", "frame", "instances", "lights", "light lists", "lightmap parts", "shadow views", "casters"];
 
 /// What the test's own host makes beside the renderer's objects.
 const OF_HOST: [(&str, &str); 2] = [("image", "output"), ("buffer", "readback")];

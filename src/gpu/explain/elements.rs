@@ -70,6 +70,10 @@ impl<'a> Elements<'a> {
                 let lit = plan.needs.lit_opaque.as_deref().unwrap_or_default();
                 format!("{lit} is lit by {}", self.light(|_| true))
             }
+            Pipeline::Decal(kind) => {
+                let need = plan.needs.decals.iter().find(|need| need.kind == *kind);
+                need.map_or_else(String::new, |need| need.why.clone())
+            }
             Pipeline::Edges => {
                 format!("{} samples a pixel: those of edges are lit one by one", plan.options.samples)
             }

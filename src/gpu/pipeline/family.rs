@@ -15,6 +15,8 @@ use crate::plan::{Around, Brdf, Pipeline, Plan};
 pub(in crate::gpu) struct Family {
     frame: u32,
     second: SecondSet,
+    /// With `SET_DECAL_MATERIAL`: the material's number of textures.
+    decal_textures: Option<u32>,
     /// Whether `LightPush` says which light it is.
     one_light: bool,
 }
@@ -51,9 +53,10 @@ const LIGHTMAPS: u32 = shared("BINDING_LIGHTMAPS");
 const LIGHTMAP: u32 = shared("BINDING_LIGHTMAP");
 const PROBES: u32 = shared("BINDING_PROBES");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
+const DECALS: u32 = shared("BINDING_DECALS");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 14] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 15] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -71,6 +74,7 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 14] = {
         (LIGHTMAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (PROBES, T::STORAGE_BUFFER, S::FRAGMENT),
         (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
+        (DECALS, T::STORAGE_BUFFER, both),
     ]
 };
 
@@ -98,6 +102,7 @@ impl Family {
             Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog | Pipeline::Edges => {
                 Vec::new()
             }
+            Pipeline::Decal(_) => vec![DECALS],
             Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
             Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting | Pipeline::EdgeLighting => {
                 lighting.collect()
@@ -134,6 +139,7 @@ impl Family {
             | Pipeline::LightVolume(_)
             | Pipeline::Tonemap
             | Pipeline::Fog
+            | Pipeline::Decal(_)
             | Pipeline::Edges
             | Pipeline::EdgeLighting
             | Pipeline::EdgeVolume(_) => SecondSet::Inputs {
@@ -142,13 +148,18 @@ impl Family {
             },
         };
         let one_light = matches!(pipeline, Pipeline::Light(_));
-        Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, one_light }
+        let decal_textures = match pipeline {
+            Pipeline::Decal(kind) => Some(kind.textures.count_ones()),
+            _ => None,
+        };
+        let frame = frame.fold(0, |bits, binding| bits | 1 << binding);
+        Self { frame, second, decal_textures, one_light }
     }
 
     /// What a pass after the frame's own reads: bits of its samplers' bindings, and whether the camera.
     pub(in crate::gpu) fn of_post(bindings: u32, camera: bool) -> Self {
         let frame = if camera { 1 << FRAME } else { 0 };
-        Self { frame, second: SecondSet::Samplers { bindings }, one_light: false }
+        Self { frame, second: SecondSet::Samplers { bindings }, decal_textures: None, one_light: false }
     }
 
     /// Whether its pipelines are told a light by push constant.
@@ -167,18 +178,18 @@ impl Family {
         self.frame
     }
 
-    /// The bindings of `SET_FRAME`, and of the second set.
-    pub(super) fn sets(self) -> [Vec<Binding>; 2] {
+    /// The bindings of `SET_FRAME`, of the second set, and of a decal's material.
+    pub(super) fn sets(self) -> [Vec<Binding>; 3] {
         use vk::{DescriptorType as T, ShaderStageFlags as S};
+        let material = |textures: u32| -> Vec<Binding> {
+            let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
+            let images = const { shared("BINDING_TEXTURES") };
+            let images = (textures > 0).then_some((images, T::COMBINED_IMAGE_SAMPLER, textures, S::FRAGMENT));
+            std::iter::once(numbers).chain(images).collect()
+        };
         let in_frame = FRAME_BINDINGS.iter().filter(|(binding, ..)| self.frame & (1 << binding) != 0);
         let second = match self.second {
-            SecondSet::Material { textures } => {
-                let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
-                let images = const { shared("BINDING_TEXTURES") };
-                let images =
-                    (textures > 0).then_some((images, T::COMBINED_IMAGE_SAMPLER, textures, S::FRAGMENT));
-                std::iter::once(numbers).chain(images).collect()
-            }
+            SecondSet::Material { textures } => material(textures),
             SecondSet::Nothing => Vec::new(),
             SecondSet::Inputs { count, bloom } => {
                 let inputs = (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT));
@@ -192,7 +203,8 @@ impl Family {
                 bound.map(|b| (b, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT)).collect()
             }
         };
-        [in_frame.map(|&(binding, ty, stages)| (binding, ty, 1, stages)).collect(), second]
+        let third = self.decal_textures.map(material).unwrap_or_default();
+        [in_frame.map(|&(binding, ty, stages)| (binding, ty, 1, stages)).collect(), second, third]
     }
 }
 
@@ -200,7 +212,7 @@ impl Family {
 pub(in crate::gpu) struct FamilyLayout {
     pub(in crate::gpu) sets: Vec<Owned<vk::DescriptorSetLayout>>,
     pub(in crate::gpu) layout: Owned<vk::PipelineLayout>,
-    pub(in crate::gpu) bindings: [Vec<Binding>; 2],
+    pub(in crate::gpu) bindings: [Vec<Binding>; 3],
 }
 
 impl FamilyLayout {
