@@ -5,6 +5,7 @@
 #define SET_FRAME 0
 #define SET_MATERIAL 1
 #define SET_INPUTS 1
+#define SET_DECAL_MATERIAL 2
 
 // Bindings of SET_FRAME and SET_MATERIAL.
 #define BINDING_FRAME 0
@@ -22,8 +23,9 @@
 #define BINDING_LIGHTMAP 13
 #define BINDING_PROBES 14
 #define BINDING_VOLUMES 4
-#define BINDING_CASTERS 20
-#define BINDING_CASTER_INSTANCES 21
+#define BINDING_DECALS 20
+#define BINDING_CASTERS 21
+#define BINDING_CASTER_INSTANCES 22
 // Beside input attachments: scattered light that the tone curve mixes in.
 #define BINDING_BLOOM 24
 #define BINDING_MATERIAL 0
@@ -60,6 +62,7 @@
 #define VARYING_COLOR 3
 #define VARYING_LIGHT 4
 #define VARYING_LIGHTMAP 5
+#define VARYING_DECAL 8
 
 // Colour outputs, likewise: locations become places in the subpass.
 #define TARGET_DEPTH 0
@@ -152,6 +155,12 @@
 #define ID_SHADOW_VOLUMES 85
 #define ID_BLEND 90
 #define ID_TRANSLUCENCY 91
+#define ID_DECAL_BASE_COLOR 100
+#define ID_DECAL_NORMAL 101
+#define ID_DECAL_ROUGHNESS 102
+#define ID_DECAL_METALLIC 103
+#define ID_DECAL_TARGETS 104
+#define ID_DECAL_BLENDED 105
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0

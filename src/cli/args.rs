@@ -11,8 +11,8 @@ use ontile::glam::Vec3;
 use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
-    BloomWay, Brdf, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat,
-    Path, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
+    BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, Options,
+    OutputFormat, Path, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
 };
 use ontile::scene::{Background, FogHeight, Scene};
 
@@ -177,6 +177,10 @@ pub struct PlanArgs {
     /// Keep lighting and tonemap apart, even where nothing needs the light target [default: merge them]
     #[arg(long)]
     pub no_fold: bool,
+    /// How decals that overlap are painted one after the other: by rasterization-order attachment access, with barriers in
+    /// between, or by fixed-function blending, where the layout allows
+    #[arg(long, value_name = "WAY", default_value_t = DecalWay::Auto, value_parser = named(DecalWay::ALL, DecalWay::name))]
+    pub decals: DecalWay,
     /// Light that lens and eye scatter around bright places; the frame's pass stays whole: from the previous frame's picture, which
     /// the tone curve has cut, or from its light, which is stored beside the picture
     #[arg(long, value_name = "WAY", default_value_t = BloomWay::Off, value_parser = named(BloomWay::ALL, BloomWay::name))]
@@ -235,6 +239,7 @@ impl PlanArgs {
             samples: self.samples,
             edges: self.edges,
             resolve: self.resolve,
+            decals: self.decals,
             environment_format: self.environment_format.unwrap_or(default.environment_format),
             lightmap_format: self.lightmap_format.unwrap_or(default.lightmap_format),
             ..default

@@ -23,6 +23,7 @@ mod caps;
 mod command;
 mod conv;
 mod convert;
+mod decals;
 mod descriptor;
 mod device;
 mod explain;

@@ -123,9 +123,9 @@ fn clear_values(plan: &Plan, pass: &Pass) -> Vec<vk::ClearValue> {
 fn check_features(device: &Device, pass: &Pass) -> Result<()> {
     if pass.subpasses.iter().any(|s| s.ordered) && !device.features().ordered_attachment_access {
         return Err(Error::unsupported(
-            "the plan adds light in the shader, and the device was made without \
+            "the plan adds light or decals in the shader, and the device was made without \
              rasterizationOrderColorAttachmentAccess (VK_EXT_rasterization_order_attachment_access)",
-            "enable it and say so in `Features`, or use --lights clusters or --layout ontile128",
+            "enable it and say so in `Features`, or use --lights clusters, --layout ontile128 or --decals barrier",
         ));
     }
     Ok(())

@@ -15,8 +15,8 @@ pub use numbers::{shared, shared_names};
 pub use places::AttachmentPlaces;
 pub use prune::{Pruned, prune};
 pub use specialization::{
-    GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants, OutputConstants,
-    SampleConstants, SkyConstants, Specialization, TextureSlot,
+    DecalConstants, GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants,
+    OutputConstants, SampleConstants, SkyConstants, Specialization, TextureSlot,
 };
 
 use std::collections::BTreeSet;
@@ -73,6 +73,12 @@ pub enum Module {
     ShadowVertex,
     /// Copies a tile of one shadow map to another.
     ShadowCompose,
+    /// The box of a decal.
+    DecalVertex,
+    /// Paints a decal over the G-buffer.
+    Decal,
+    /// [`Self::Decal`] of several samples a pixel.
+    DecalSamples,
     /// Lays fog over surfaces of the G-buffer.
     Fog,
     /// [`Self::Fog`] of several samples a pixel.
@@ -87,7 +93,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 25] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -110,6 +116,9 @@ impl Module {
         Self::Edges,
         Self::Fog,
         Self::FogSamples,
+        Self::DecalVertex,
+        Self::Decal,
+        Self::DecalSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -130,6 +139,8 @@ impl Module {
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
+            Self::DecalVertex => "decal.vert",
+            Self::Decal | Self::DecalSamples => "decal.frag",
             Self::Fog | Self::FogSamples => "fog.frag",
             Self::Bloom => "bloom.frag",
             Self::EdgeFilter => "edge_filter.frag",
@@ -142,6 +153,7 @@ impl Module {
         match self {
             Self::LightingSamples => "lighting_samples.frag",
             Self::TonemapSamples => "tonemap_samples.frag",
+            Self::DecalSamples => "decal_samples.frag",
             Self::FogSamples => "fog_samples.frag",
             _ => self.source(),
         }
@@ -162,6 +174,7 @@ impl Module {
         match self {
             Self::Lighting => Self::LightingSamples,
             Self::Tonemap => Self::TonemapSamples,
+            Self::Decal => Self::DecalSamples,
             Self::Fog => Self::FogSamples,
             other => other,
         }
@@ -217,6 +230,11 @@ impl Shaders {
         let vertex = left(vertex, Some(&read.unwrap_or_default()))?;
         Ok(Self { vertex: vertex.spirv, fragment, attributes: vertex.inputs })
     }
+}
+
+/// The number that modules know a colour output by: `TARGET_*` of `glsl/shared.h`.
+pub(in crate::gpu) fn target_number(name: &str) -> Option<u32> {
+    numbers::find(&format!("TARGET_{}", name.to_uppercase()))
 }
 
 /// The names of the modules that this build embeds.

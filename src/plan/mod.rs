@@ -14,6 +14,7 @@ mod budget;
 mod check;
 mod choice;
 mod counts;
+mod decals;
 mod derive;
 mod edges;
 mod format;
@@ -50,6 +51,7 @@ pub use bins::{Adreno, Bins, Occupancy};
 pub use budget::{Verdict, verdicts};
 pub use choice::Choice;
 pub use counts::{FrameCounts, Seen, StateChanges};
+pub use decals::{Channels, DecalKind, DecalNeed};
 pub use format::Format;
 pub use layout::{Form, GBuffer, LightPlace, LightTarget, LightWord, Target, Tells};
 pub use ledger::{
@@ -60,7 +62,7 @@ pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};
 pub(crate) use names::named_enum;
 pub use names::{
-    BloomWay, Brdf, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
+    BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
     OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 pub(crate) use needs::element;
@@ -170,6 +172,8 @@ pub struct Plan {
     pub post: Post,
     /// Decisions that a reader may wonder about.
     pub notes: Vec<String>,
+    /// How decals are ordered, never [`DecalWay::Auto`]; `None` without decals.
+    pub decal_way: Option<DecalWay>,
     /// What the options or the limits leave out of what the scene asks for; the program tells them.
     pub warnings: Vec<String>,
 }
@@ -182,6 +186,7 @@ impl Plan {
     /// each other.
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
         let (strategy, why) = strategy::resolve(&options, limits)?;
+        let (strategy, why) = decals::strategy(&needs, &options, (strategy, why))?;
         let is_best = options.strategy == Strategy::Auto && strategy != Strategy::Subpasses;
         match Self::by(strategy, why, needs.clone(), options.clone(), limits) {
             Err(error) if is_best => {
@@ -219,8 +224,10 @@ impl Plan {
         // What is counted is counted for each sample.
         let edges = if by_volume { Edges::All } else { edges };
         let edges_why = edges_why.filter(|_| !by_volume);
+        let (decal_way, decals_why) = decals::resolve(&needs, &options, &gbuffer, limits)?.unzip();
         let ways = (light_way, edges, by_volume);
-        let frame = stage::Frame::new(&needs, &options, &gbuffer, path, ways, limits.depth_stencil);
+        let frame =
+            stage::Frame::new(&needs, &options, &gbuffer, path, ways, limits.depth_stencil, decal_way);
         samples::check(&options, path, frame.folded)?;
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options, strategy);
@@ -240,6 +247,8 @@ impl Plan {
         notes.extend(edges_why);
         notes.extend(path_why);
         notes.extend(why);
+        notes.extend(decals_why.flatten());
+        notes.extend(decals::note(&needs));
         notes.extend(clusters.map(|c| c.to_string()));
         notes.extend(volumes.notes);
         notes.extend(shadows_told.notes);
@@ -257,6 +266,7 @@ impl Plan {
             strategy,
             path,
             folded,
+            decal_way,
             light_way,
             edges,
             clusters,

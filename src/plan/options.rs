@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    BloomWay, Brdf, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
+    BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
     OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap,
 };
 use crate::environment::TexelFormat;
@@ -101,6 +101,8 @@ pub struct Options {
     pub edges: Edges,
     /// How samples become one.
     pub resolve: ResolveWay,
+    /// How decals that overlap are painted.
+    pub decals: DecalWay,
     /// Light that lens and eye scatter around bright places.
     pub bloom: BloomWay,
     /// The share of light that is scattered, 0 to 1.
@@ -144,6 +146,7 @@ impl Default for Options {
             samples: 1,
             edges: Edges::Auto,
             resolve: ResolveWay::Tonemapped,
+            decals: DecalWay::Auto,
             bloom: BloomWay::Off,
             bloom_strength: 0.05,
             bloom_radius: 0.1,

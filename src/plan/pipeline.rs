@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::stage::{Frame, TRANSLUCENCY, Use};
-use super::{Edges, LightWay, Needs, SurfaceKind, VolumeShape, lights};
+use super::{DecalKind, Edges, LightWay, Needs, SurfaceKind, VolumeShape, lights};
 
 /// A graphics pipeline that a frame needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -32,6 +32,8 @@ pub enum Pipeline {
     ShadowedLight,
     /// Applies the tone curve.
     Tonemap,
+    /// Paints decals of one kind over the G-buffer.
+    Decal(DecalKind),
     /// Marks in the stencil the pixels that are lit sample by sample.
     Edges,
     /// [`Self::Lighting`] of the samples of marked pixels; that is then for the others.
@@ -91,12 +93,15 @@ pub(super) fn of(
         volumes.into_iter().flat_map(|s| [(s, Pipeline::ShadowVolume), (s, Pipeline::ShadowedLight)]);
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
     let sky = needs.sky.then_some((surface, Pipeline::Sky));
+    let decals = stage("decals")
+        .into_iter()
+        .flat_map(|s| needs.decals.iter().map(move |n| (s, Pipeline::Decal(n.kind))));
     let translucency = stage(TRANSLUCENCY).into_iter().flat_map(|s| {
         let has_inputs = frame.stages[s].uses.iter().any(|(_, how)| *how == Use::Read);
         let fog = (needs.fog.is_some() && has_inputs).then_some((s, Pipeline::Fog));
         let blended = needs.kinds.iter().filter(|n| n.kind.blend);
         fog.into_iter().chain(blended.map(move |n| (s, Pipeline::Surface(n.kind))))
     });
-    let shaded = depths.chain(surfaces).chain(sky).chain(lights).chain(lighting).chain(volumes);
+    let shaded = depths.chain(surfaces).chain(sky).chain(decals).chain(lights).chain(lighting).chain(volumes);
     shaded.chain(translucency).chain(tonemap).collect()
 }

@@ -2,6 +2,7 @@
 
 mod cascades;
 mod clusters;
+mod decal_levels;
 mod frustum;
 mod illumination;
 mod order;
@@ -16,6 +17,7 @@ mod tests;
 
 pub use cascades::{Cascades, MOST_CASCADES, Sphere};
 pub use clusters::{Clusters, Grid};
+pub use decal_levels::DecalLevels;
 pub use frustum::Frustum;
 pub use order::{Distances, DrawOrder, sort_key, sorted_index};
 pub use reach::Reach;

@@ -296,9 +296,14 @@ impl Reflection {
                 compare(&name, "binding", decoration(Decoration::Binding), binding);
             };
             let upper = |prefix: &str| name.strip_prefix(prefix).map(|rest| rest.to_uppercase());
+            // Decals have input attachments where surfaces have their material.
+            let of_material = match self.has_input_attachments() {
+                true => "SET_DECAL_MATERIAL",
+                false => "SET_MATERIAL",
+            };
             match class {
                 StorageClass::Uniform | StorageClass::StorageBuffer => {
-                    let set = if name == "material" { "SET_MATERIAL" } else { "SET_FRAME" };
+                    let set = if name == "material" { of_material } else { "SET_FRAME" };
                     resource(set, format!("BINDING_{}", name.to_uppercase()));
                 }
                 StorageClass::UniformConstant => match upper("input_") {
@@ -312,7 +317,7 @@ impl Reflection {
                         }
                     }
                     None => match upper("material_") {
-                        Some(texture) => resource("SET_MATERIAL", format!("BINDING_{texture}")),
+                        Some(texture) => resource(of_material, format!("BINDING_{texture}")),
                         None => {
                             let set = match name.as_str() {
                                 "bloom" | "edge_color" => "SET_INPUTS",

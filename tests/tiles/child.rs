@@ -6,8 +6,8 @@ use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
 use ontile::plan::{
-    Access, Adreno, Bins, BloomWay, DepthStore, Edges, Layout, LightWay, Limits, Merging, Needs, Options,
-    Path as LightPath, Plan, Store, Strategy,
+    Access, Adreno, Bins, BloomWay, DecalWay, DepthStore, Edges, Layout, LightWay, Limits, Merging, Needs,
+    Options, Path as LightPath, Plan, Store, Strategy,
 };
 use ontile::scene::{Scene, Shadow};
 use serde::{Deserialize, Serialize};
@@ -36,6 +36,7 @@ pub struct Case {
     pub stage_timestamps: bool,
     /// The last instance is dynamic, and moves before a second frame.
     pub moves: bool,
+    pub decals: DecalWay,
 }
 
 /// What is wrong with the plan.
@@ -51,6 +52,10 @@ pub enum Fault {
     Stored,
     /// The same, and the image is no longer made for lazily allocated memory.
     StoredInMemory,
+    /// Of the dependency of a subpass on itself alone: it lets a pixel depend on any other one.
+    ItselfNotByRegion,
+    /// There is none.
+    ItselfDropped,
 }
 
 /// What the child tells.
@@ -88,6 +93,7 @@ impl Case {
             capture: false,
             stage_timestamps: false,
             moves: false,
+            decals: DecalWay::Auto,
         }
     }
 
@@ -111,6 +117,7 @@ impl Case {
             lights: self.lights,
             depth_prepass: self.depth_prepass,
             recycle: self.recycle,
+            decals: self.decals,
             samples: self.samples,
             edges: self.edges,
             bloom: self.bloom,
@@ -186,6 +193,10 @@ fn spoil(plan: &mut Plan, fault: Fault) {
             let d = between.iter_mut().find(|d| (d.from, d.to) == (Some(0), Some(1))).unwrap();
             assert!(d.after.remove(&Access::ColorWrite) && d.after.contains(&Access::InputRead));
         }
+        Fault::ItselfNotByRegion => {
+            between.iter_mut().filter(|d| d.from == d.to).for_each(|d| d.by_region = false);
+        }
+        Fault::ItselfDropped => pass.dependencies.retain(|d| d.from != d.to),
         Fault::Stored | Fault::StoredInMemory => {
             let index = attachments.iter().position(|a| a.name == "normal_roughness").unwrap();
             let used = pass.attachments.iter_mut().find(|a| a.attachment == index).unwrap();

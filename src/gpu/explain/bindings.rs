@@ -2,9 +2,10 @@
 
 use super::super::shader::{shared, shared_names};
 use super::elements::{Elements, is_local};
-use crate::plan::{Pipeline, SLOTS, SurfaceKind};
+use crate::plan::{Pipeline, SLOTS};
 
 const SET_FRAME: u32 = shared("SET_FRAME");
+const SET_INPUTS: u32 = shared("SET_INPUTS");
 const MATERIAL: u32 = shared("BINDING_MATERIAL");
 
 impl Elements<'_> {
@@ -55,6 +56,7 @@ impl Elements<'_> {
                     | Pipeline::EdgeLighting
                     | Pipeline::EdgeVolume(_),
                 )) => self.input(*stage, binding),
+                Some((stage, Pipeline::Decal(_))) if set == SET_INPUTS => self.input(*stage, binding),
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),
                 _ => {
                     let slots = found.map_or_else(Vec::new, |(_, pipeline)| slots(pipeline));
@@ -76,6 +78,7 @@ impl Elements<'_> {
             b if b == const { shared("BINDING_VOLUMES") } => {
                 ("volumes", format!("{} is drawn as a volume", self.light(is_local)))
             }
+            b if b == const { shared("BINDING_DECALS") } => ("decals", format!("{element} is painted")),
             b if b == const { shared("BINDING_SHADOW_VIEWS") } => ("shadow views", self.shadow_lights()),
             b if b == const { shared("BINDING_SHADOW_MAP") } => ("shadow map", self.shadow_lights()),
             b if b == const { shared("BINDING_GLOBE_MAPS") } => ("globe maps", self.globe_light()),
@@ -117,9 +120,10 @@ impl Elements<'_> {
 
 /// The texture slots of what a pipeline draws.
 fn slots(pipeline: &Pipeline) -> Vec<&'static str> {
-    let (Pipeline::Surface(kind) | Pipeline::Light(kind) | Pipeline::Depth(kind)) = pipeline else {
-        return Vec::new();
+    let kind = match pipeline {
+        Pipeline::Surface(kind) | Pipeline::Light(kind) | Pipeline::Depth(kind) => *kind,
+        Pipeline::Decal(kind) => kind.surface(),
+        _ => return Vec::new(),
     };
-    let samples = |kind: &SurfaceKind, slot: usize| kind.samples(slot);
-    SLOTS.iter().enumerate().filter(|(slot, _)| samples(kind, *slot)).map(|(_, name)| *name).collect()
+    SLOTS.iter().enumerate().filter(|(slot, _)| kind.samples(*slot)).map(|(_, name)| *name).collect()
 }

@@ -90,6 +90,12 @@ impl Elements<'_> {
             }
             "FOG" | "FOG_RED" | "FOG_GREEN" | "FOG_BLUE" | "FOG_DENSITY" => "the scene has fog".into(),
             "FOG_BASE" | "FOG_INVERSE_HEIGHT" => "the scene's fog gets thinner with height".into(),
+            "DECAL_BASE_COLOR" => format!("{element} paints base colour"),
+            "DECAL_NORMAL" => format!("{element} paints normals"),
+            "DECAL_ROUGHNESS" => format!("{element} paints roughness"),
+            "DECAL_METALLIC" => format!("{element} paints metallicness"),
+            "DECAL_TARGETS" => "what of the G-buffer the scene's decals change".into(),
+            "DECAL_BLENDED" => "decals are mixed by fixed-function blending".into(),
             "FORM" | "DEPTH_TARGET" | "NORMALS" | "GAMMA" | "GBUFFER" | "LIGHT_READ" | "LIGHT_ADDED"
             | "LIGHT_ALPHA" => {
                 format!("how the G-buffer {} and the light target store it", options.layout)

@@ -72,6 +72,10 @@ impl<'a> Elements<'a> {
             }
             Pipeline::ShadowVolume => format!("{} shadow volumes", self.volume_lights()),
             Pipeline::ShadowedLight => format!("{} a shadow volume", self.volume_lights()),
+            Pipeline::Decal(kind) => {
+                let need = plan.needs.decals.iter().find(|need| need.kind == *kind);
+                need.map_or_else(String::new, |need| need.why.clone())
+            }
             Pipeline::Edges => {
                 format!("{} samples a pixel: those of edges are lit one by one", plan.options.samples)
             }

@@ -16,6 +16,8 @@ pub(in crate::gpu) struct Family {
     frame: u32,
     second: SecondSet,
     push: Push,
+    /// With `SET_DECAL_MATERIAL`: the material's number of textures.
+    decal_textures: Option<u32>,
 }
 
 /// Push constants.
@@ -61,11 +63,12 @@ const LIGHTMAPS: u32 = shared("BINDING_LIGHTMAPS");
 const LIGHTMAP: u32 = shared("BINDING_LIGHTMAP");
 const PROBES: u32 = shared("BINDING_PROBES");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
+const DECALS: u32 = shared("BINDING_DECALS");
 const CASTERS: u32 = shared("BINDING_CASTERS");
 const CASTER_INSTANCES: u32 = shared("BINDING_CASTER_INSTANCES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 16] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 17] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -83,6 +86,7 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 16] = {
         (LIGHTMAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (PROBES, T::STORAGE_BUFFER, S::FRAGMENT),
         (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
+        (DECALS, T::STORAGE_BUFFER, both),
         (CASTERS, T::STORAGE_BUFFER, S::VERTEX),
         (CASTER_INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
     ]
@@ -113,6 +117,7 @@ impl Family {
             Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog | Pipeline::Edges => {
                 Vec::new()
             }
+            Pipeline::Decal(_) => vec![DECALS],
             Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
             Pipeline::Surface(_)
             | Pipeline::Light(_)
@@ -152,6 +157,7 @@ impl Family {
             | Pipeline::ShadowedLight
             | Pipeline::Tonemap
             | Pipeline::Fog
+            | Pipeline::Decal(_)
             | Pipeline::Edges
             | Pipeline::EdgeLighting
             | Pipeline::EdgeVolume(_) => SecondSet::Inputs {
@@ -164,13 +170,18 @@ impl Family {
             Pipeline::ShadowVolume => Push::Volume,
             _ => Push::Nothing,
         };
-        Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, push }
+        let decal_textures = match pipeline {
+            Pipeline::Decal(kind) => Some(kind.textures.count_ones()),
+            _ => None,
+        };
+        let frame = frame.fold(0, |bits, binding| bits | 1 << binding);
+        Self { frame, second, push, decal_textures }
     }
 
     /// What a pass after the frame's own reads: bits of its samplers' bindings, and whether the camera.
     pub(in crate::gpu) fn of_post(bindings: u32, camera: bool) -> Self {
         let frame = if camera { 1 << FRAME } else { 0 };
-        Self { frame, second: SecondSet::Samplers { bindings }, push: Push::Nothing }
+        Self { frame, second: SecondSet::Samplers { bindings }, push: Push::Nothing, decal_textures: None }
     }
 
     /// Whether its pipelines have push constants.
@@ -189,18 +200,18 @@ impl Family {
         self.frame
     }
 
-    /// The bindings of `SET_FRAME`, and of the second set.
-    pub(super) fn sets(self) -> [Vec<Binding>; 2] {
+    /// The bindings of `SET_FRAME`, of the second set, and of a decal's material.
+    pub(super) fn sets(self) -> [Vec<Binding>; 3] {
         use vk::{DescriptorType as T, ShaderStageFlags as S};
+        let material = |textures: u32| -> Vec<Binding> {
+            let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
+            let images = const { shared("BINDING_TEXTURES") };
+            let images = (textures > 0).then_some((images, T::COMBINED_IMAGE_SAMPLER, textures, S::FRAGMENT));
+            std::iter::once(numbers).chain(images).collect()
+        };
         let in_frame = FRAME_BINDINGS.iter().filter(|(binding, ..)| self.frame & (1 << binding) != 0);
         let second = match self.second {
-            SecondSet::Material { textures } => {
-                let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
-                let images = const { shared("BINDING_TEXTURES") };
-                let images =
-                    (textures > 0).then_some((images, T::COMBINED_IMAGE_SAMPLER, textures, S::FRAGMENT));
-                std::iter::once(numbers).chain(images).collect()
-            }
+            SecondSet::Material { textures } => material(textures),
             SecondSet::Nothing => Vec::new(),
             SecondSet::Inputs { count, bloom } => {
                 let inputs = (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT));
@@ -214,7 +225,8 @@ impl Family {
                 bound.map(|b| (b, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT)).collect()
             }
         };
-        [in_frame.map(|&(binding, ty, stages)| (binding, ty, 1, stages)).collect(), second]
+        let third = self.decal_textures.map(material).unwrap_or_default();
+        [in_frame.map(|&(binding, ty, stages)| (binding, ty, 1, stages)).collect(), second, third]
     }
 }
 
@@ -222,7 +234,7 @@ impl Family {
 pub(in crate::gpu) struct FamilyLayout {
     pub(in crate::gpu) sets: Vec<Owned<vk::DescriptorSetLayout>>,
     pub(in crate::gpu) layout: Owned<vk::PipelineLayout>,
-    pub(in crate::gpu) bindings: [Vec<Binding>; 2],
+    pub(in crate::gpu) bindings: [Vec<Binding>; 3],
 }
 
 impl FamilyLayout {

@@ -1,11 +1,12 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants, Module,
-    OutputConstants, SampleConstants, SkyConstants, Specialization, TextureSlot, shared,
+    DecalConstants, GBufferConstants, GeometryConstants, KIND_COUNT, LightLoop, LightingConstants,
+    LightmapConstants, Module, OutputConstants, SampleConstants, SkyConstants, Specialization, TextureSlot,
+    shared, target_number,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{Edges, Form, Pipeline, Plan, SurfaceKind, VolumeShape};
+use crate::plan::{DecalKind, DecalWay, Edges, Form, Pipeline, Plan, SurfaceKind, VolumeShape};
 use crate::visible::ShadowShape;
 
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
@@ -37,6 +38,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         }
         Pipeline::Edges => (Module::Fullscreen, Some(Module::Edges), Specialization::default()),
         Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
+        Pipeline::Decal(kind) => {
+            let surface =
+                GeometryConstants { textures: textures(&kind.surface()), ..GeometryConstants::default() };
+            let decal = decal_constants(plan, kind).specialization();
+            (Module::DecalVertex, Some(Module::Decal), surface.specialization().and(decal))
+        }
         Pipeline::LightVolume(shape) | Pipeline::EdgeVolume(shape) => {
             (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape))
         }
@@ -63,7 +70,8 @@ fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
         samples: plan.options.samples,
         per_sample: plan.edges == Edges::All
             || pipeline.per_pixel() != *pipeline
-            || *pipeline == Pipeline::Fog,
+            || *pipeline == Pipeline::Fog
+            || matches!(pipeline, Pipeline::Decal(_)),
         edge_target: plan.edges == Edges::Coverage,
         edge_masks: plan.needs.kinds.iter().any(|need| need.kind.alpha_mask),
         sample_depth: plan.has_gbuffer() && plan.gbuffer.reads_depth_attachment(),
@@ -141,16 +149,32 @@ fn shape_constant(shape: VolumeShape) -> Specialization {
     })
 }
 
-fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
-    let slot = |slot: usize| {
+fn textures(kind: &SurfaceKind) -> [Option<TextureSlot>; KIND_COUNT] {
+    std::array::from_fn(|slot| {
         kind.texture_index(slot).map(|index| TextureSlot {
             slot: index as u32,
             second_texcoord: kind.second_texcoord & (1 << slot) != 0,
             transformed: kind.transformed & (1 << slot) != 0,
         })
-    };
+    })
+}
+
+fn decal_constants(plan: &Plan, kind: &DecalKind) -> DecalConstants {
+    let stage = plan.passes.iter().flat_map(|p| &p.subpasses).find(|s| s.name == "decals");
+    let blended = plan.decal_way == Some(DecalWay::Fixed);
+    // What is blended is written whole.
+    let targets = stage.filter(|_| !blended).map_or(&[][..], |stage| &stage.color_names);
+    let numbers = targets.iter().filter_map(|name| target_number(name));
+    DecalConstants {
+        channels: kind.channels,
+        targets: numbers.fold(0, |bits, target| bits | 1 << target),
+        blended,
+    }
+}
+
+fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
     GeometryConstants {
-        textures: std::array::from_fn(slot),
+        textures: textures(kind),
         alpha_mask: kind.alpha_mask,
         double_sided: kind.double_sided,
         unlit: kind.unlit,

@@ -70,6 +70,8 @@ impl FixedState {
             Pipeline::LightVolume(shape) | Pipeline::EdgeVolume(shape) if *shape != VolumeShape::Screen => {
                 vk::CullModeFlags::FRONT
             }
+            // The triangle that stands in for a box that the far plane cuts is turned like its far sides.
+            Pipeline::Decal(_) => vk::CullModeFlags::FRONT,
             _ => vk::CullModeFlags::NONE,
         };
         // Clip space has y down, so triangles that are counter-clockwise in the world stay so on the image.
@@ -91,6 +93,18 @@ impl FixedState {
             vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
         let one = if matches!(pipeline, Pipeline::LightMask(_) | Pipeline::ShadowVolume | Pipeline::Edges) {
             vk::PipelineColorBlendAttachmentState::default()
+        } else if matches!(pipeline, Pipeline::Decal(_)) && subpass.blend {
+            // Alpha is the opacity, and what the target has there stays.
+            all.color_write_mask(
+                vk::ColorComponentFlags::R | vk::ColorComponentFlags::G | vk::ColorComponentFlags::B,
+            )
+            .blend_enable(true)
+            .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
+            .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+            .color_blend_op(vk::BlendOp::ADD)
+            .src_alpha_blend_factor(vk::BlendFactor::ZERO)
+            .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+            .alpha_blend_op(vk::BlendOp::ADD)
         } else if subpass.blend {
             // Over what is there, colours multiplied by alpha already; or added to it.
             let kept = match pipeline {

@@ -95,6 +95,9 @@ impl Frame<'_> {
     /// Draws what is not surfaces: over the whole image, or lights' volumes.
     fn draw_whole(&mut self, stage: usize) {
         let plan = &self.renderer.plan;
+        if plan.subpass(stage).2.name == "decals" {
+            return self.draw_decals(stage);
+        }
         let of_stage =
             plan.pipelines.iter().enumerate().filter(|(_, (s, p))| *s == stage && !p.is_of_surfaces());
         for (index, (_, pipeline)) in of_stage {
@@ -282,7 +285,7 @@ impl Frame<'_> {
         layout
     }
 
-    fn bind_set(&mut self, layout: vk::PipelineLayout, index: u32, set: vk::DescriptorSet) {
+    pub(super) fn bind_set(&mut self, layout: vk::PipelineLayout, index: u32, set: vk::DescriptorSet) {
         let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
         let point = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: the set was allocated with the layout's n-th set layout, and all its bindings are written.

@@ -1,5 +1,8 @@
 //! Specialisation constants: what a pipeline knows when it is compiled.
 
+mod decals;
+mod shadow_filter;
+
 use glam::Vec3;
 
 use super::post_constants::curve;
@@ -8,6 +11,9 @@ use crate::plan::{
     Around, BloomWay, Brdf, DepthStore, Form, GBuffer, Gamma, Normals, ResolveWay, ShadowFilter, Tonemap,
 };
 use crate::scene::Fog;
+
+pub use decals::DecalConstants;
+use shadow_filter::shadow_filter;
 
 /// Values for specialisation constants: `data[i]` is that of constant `ids[i]`.
 ///
@@ -229,15 +235,6 @@ impl LightingConstants {
             (const { shared("ID_SHADOW_VOLUMES") }, self.shadow_volumes.into()),
             (const { shared("ID_FOLD") }, self.fold.into()),
         ])
-    }
-}
-
-fn shadow_filter(filter: ShadowFilter) -> u32 {
-    match filter {
-        ShadowFilter::Hardware => const { shared("SHADOW_FILTER_HARDWARE") },
-        ShadowFilter::Grid3 => const { shared("SHADOW_FILTER_GRID3") },
-        ShadowFilter::Grid5 => const { shared("SHADOW_FILTER_GRID5") },
-        ShadowFilter::Jittered => const { shared("SHADOW_FILTER_JITTERED") },
     }
 }
 

@@ -1,5 +1,6 @@
 //! Surfaces that are lit once all are known, from a G-buffer.
 
+use super::decals;
 use super::depth::Depth;
 use super::{Asked, Frame, Stage, Use, added_light, translucency};
 use crate::plan::layout::{LightPlace, Target, Tells};
@@ -171,7 +172,8 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
             "light from several stages was summed".into()
         },
     });
-    frame.stages.extend([geometry, lighting]);
+    let decals = decals::stage(frame, asked, depth, &surface);
+    frame.stages.extend([Some(geometry), decals, Some(lighting)].into_iter().flatten());
     // Of eight words the first four hold the position.
     let of_fog: Vec<_> = of_fog.into_iter().filter(|&r| frame.resources[r].name != "more_words").collect();
     translucency::add(frame, asked, &lights_added, depth.resource, &of_fog);

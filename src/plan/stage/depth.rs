@@ -16,7 +16,7 @@ pub(super) struct Depth {
 
 /// Adds them where something needs them.
 pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
-    let Asked { needs, options, gbuffer, path, way, edges, depth_stencil, by_volume } = *asked;
+    let Asked { needs, options, gbuffer, path, way, edges, depth_stencil, by_volume, .. } = *asked;
     let one_by_one = asked.one_by_one();
     let opaque = needs.opaque_triangles();
     let before_sky = needs.sky && opaque > 0;
