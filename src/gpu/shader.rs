@@ -162,9 +162,11 @@ impl Module {
     /// What is defined when it is compiled.
     pub fn defines(self) -> &'static [&'static str] {
         match self {
-            Self::Edges | Self::LightingSamples | Self::TonemapSamples | Self::FogSamples => {
-                &["MULTISAMPLED"]
-            }
+            Self::Edges
+            | Self::LightingSamples
+            | Self::TonemapSamples
+            | Self::FogSamples
+            | Self::DecalSamples => &["MULTISAMPLED"],
             _ => &[],
         }
     }
