@@ -55,6 +55,18 @@ void write_depth() {
 
 #else
 
+#ifdef SUBPASS_DECALS
+// What of a surface is written over what was read of it.
+layout(location = TARGET_POSITION) out vec4 target_position;
+layout(location = TARGET_NORMAL_ROUGHNESS) out vec4 target_normal_roughness;
+layout(location = TARGET_NORMAL) out vec4 target_normal;
+layout(location = TARGET_NORMAL_XY) out vec2 target_normal_xy;
+layout(location = TARGET_BASE_METALLIC) out vec4 target_base_metallic;
+layout(location = TARGET_SPECULAR) out vec4 target_specular;
+layout(location = TARGET_WORDS) out uvec4 target_words;
+layout(location = TARGET_MORE_WORDS) out uvec4 target_more_words;
+#endif
+
 #ifdef SUBPASS_LIGHTING
 // What holds light, written over what was read of it.
 layout(location = TARGET_WORDS) out uvec4 target_words;
@@ -62,26 +74,26 @@ layout(location = TARGET_MORE_WORDS) out uvec4 target_more_words;
 layout(location = TARGET_LIGHT_WORD) out uvec2 target_light_word;
 #endif
 
-layout(set = SET_INPUTS, binding = INPUT_DEPTH, input_attachment_index = INPUT_DEPTH) uniform inputAttachment input_depth;
-layout(set = SET_INPUTS, binding = INPUT_POSITION, input_attachment_index = INPUT_POSITION)
+layout(INPUT_AT(INPUT_DEPTH)) uniform inputAttachment input_depth;
+layout(INPUT_AT(INPUT_POSITION))
     uniform inputAttachment input_position;
-layout(set = SET_INPUTS, binding = INPUT_POSITION_Z, input_attachment_index = INPUT_POSITION_Z)
+layout(INPUT_AT(INPUT_POSITION_Z))
     uniform inputAttachment input_position_z;
-layout(set = SET_INPUTS, binding = INPUT_NORMAL_ROUGHNESS, input_attachment_index = INPUT_NORMAL_ROUGHNESS)
+layout(INPUT_AT(INPUT_NORMAL_ROUGHNESS))
     uniform inputAttachment input_normal_roughness;
-layout(set = SET_INPUTS, binding = INPUT_NORMAL, input_attachment_index = INPUT_NORMAL)
+layout(INPUT_AT(INPUT_NORMAL))
     uniform inputAttachment input_normal;
-layout(set = SET_INPUTS, binding = INPUT_NORMAL_XY, input_attachment_index = INPUT_NORMAL_XY)
+layout(INPUT_AT(INPUT_NORMAL_XY))
     uniform inputAttachment input_normal_xy;
-layout(set = SET_INPUTS, binding = INPUT_BASE_METALLIC, input_attachment_index = INPUT_BASE_METALLIC)
+layout(INPUT_AT(INPUT_BASE_METALLIC))
     uniform inputAttachment input_base_metallic;
-layout(set = SET_INPUTS, binding = INPUT_SPECULAR, input_attachment_index = INPUT_SPECULAR)
+layout(INPUT_AT(INPUT_SPECULAR))
     uniform inputAttachment input_specular;
-layout(set = SET_INPUTS, binding = INPUT_WORDS, input_attachment_index = INPUT_WORDS)
+layout(INPUT_AT(INPUT_WORDS))
     uniform uinputAttachment input_words;
-layout(set = SET_INPUTS, binding = INPUT_MORE_WORDS, input_attachment_index = INPUT_MORE_WORDS)
+layout(INPUT_AT(INPUT_MORE_WORDS))
     uniform uinputAttachment input_more_words;
-layout(set = SET_INPUTS, binding = INPUT_LIGHT_WORD, input_attachment_index = INPUT_LIGHT_WORD)
+layout(INPUT_AT(INPUT_LIGHT_WORD))
     uniform uinputAttachment input_light_word;
 
 vec3 read_position() {
@@ -101,6 +113,7 @@ vec3 read_position() {
 #endif
 
 #include "gbuffer/light.glsl"
+#include "gbuffer/paint.glsl"
 #include "gbuffer/metallic.glsl"
 #include "gbuffer/specular.glsl"
 #include "gbuffer/thibieroz128.glsl"
@@ -169,6 +182,47 @@ vec4 gbuffer_read_light(bool tell_background) {
     }
     return read_light_packed128(tell_background);
 }
+
+#ifdef SUBPASS_DECALS
+
+// Base colour and metallicness of the surface: what forms that store products of both take them to be.
+vec4 gbuffer_read_base_metallic() {
+    if (FORM == FORM_SPECULAR || FORM == FORM_RASA128 || FORM == FORM_SPECULAR256) {
+        Surface surface = gbuffer_read();
+        return base_metallic_of(surface.diffuse, surface.f0);
+    } else if (FORM == FORM_METALLIC256) {
+        return base_metallic_metallic256();
+    } else if (FORM == FORM_PACKED128) {
+        return base_metallic_packed128();
+    }
+    vec4 base_metallic = input_load(input_base_metallic);
+    return vec4(decode_color(base_metallic.rgb), FORM == FORM_THIBIEROZ96 ? 0.0 : base_metallic.a);
+}
+
+// Writes the painted channels; all else stays as it is, to the bit.
+void gbuffer_paint(Paint paint) {
+    if (FORM == FORM_METALLIC) {
+        paint_metallic(paint);
+    } else if (FORM == FORM_SPECULAR) {
+        paint_specular(paint);
+    } else if (FORM == FORM_THIBIEROZ128) {
+        paint_thibieroz128(paint);
+    } else if (FORM == FORM_THIBIEROZ96) {
+        paint_thibieroz96(paint);
+    } else if (FORM == FORM_RASA128) {
+        paint_rasa128(paint);
+    } else if (FORM == FORM_DISSERTATION192) {
+        paint_dissertation192(paint);
+    } else if (FORM == FORM_METALLIC256) {
+        paint_metallic256(paint);
+    } else if (FORM == FORM_SPECULAR256) {
+        paint_specular256(paint);
+    } else {
+        paint_packed128(paint);
+    }
+}
+
+#endif
 
 #ifdef SUBPASS_LIGHTING
 

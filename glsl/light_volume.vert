@@ -5,6 +5,7 @@
 #include "common.glsl"
 #include "frame.glsl"
 #include "light/punctual.glsl"
+#include "volume.glsl"
 
 layout(constant_id = ID_VOLUME_SHAPE) const uint VOLUME_SHAPE = VOLUME_SPHERE;
 
@@ -19,11 +20,6 @@ out gl_PerVertex {
 };
 // Mask and light are to cover the same pixels.
 invariant gl_Position;
-
-// How much larger than the light a mesh is, as a share of its range, so that rounding opens no gap.
-const float ROOM = 0.002;
-// And in pixels, since rasterisers move vertices to a grid of 1/16 at the coarsest (subPixelPrecisionBits).
-const float ROOM_PIXELS = 0.1;
 
 // An icosahedron around the unit sphere: two poles, and two rings of five corners between them.
 const float ICOSAHEDRON_RADIUS = 1.2584086; // from the centre to the corners, where faces touch the sphere
@@ -64,24 +60,6 @@ vec3 pyramid(uint vertex) {
     return vec3(vec2(cos(angle), sin(angle)) / cos(PI / float(PYRAMID_SIDES)), 1.0);
 }
 
-// The cube from -1 to 1: two triangles for each of six sides.
-vec3 cube(uint vertex) {
-    const vec2 corners[6] = vec2[](
-        vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, -1), vec2(1, 1), vec2(-1, 1));
-    uint side = vertex / 6u;
-    float outwards = side < 3u ? 1.0 : -1.0;
-    vec2 corner = corners[vertex % 6u];
-    vec3 across = vec3(outwards, corner.x * outwards, corner.y);
-    return side % 3u == 0u ? across.xyz : side % 3u == 1u ? across.zxy : across.yzx;
-}
-
-// The size of a pixel in the world at a place, metres.
-float pixel_size(vec3 place) {
-    float distance = max(dot(place - frame.camera_position_world.xyz, frame.forward_world.xyz), 0.0);
-    float grows = mix(1.0, distance, frame.camera_position_world.w);
-    return 2.0 * length(frame.down_world.xyz) * frame.inverse_size.y * grows;
-}
-
 // How much further out than a light its mesh is, metres.
 float room(Light light, float extent) {
     return ROOM * extent + ROOM_PIXELS * pixel_size(light.place.xyz + frame.forward_world.xyz * extent);
@@ -113,11 +91,14 @@ vec3 box_position_world(Light light, uint vertex) {
 }
 
 void main() {
-    uint index = volumes[gl_InstanceIndex];
+    uint index = uint(gl_InstanceIndex);
+    if (VOLUME_SHAPE != VOLUME_OF_INSTANCE) {
+        index = volumes[gl_InstanceIndex];
+    }
     varying_light = index;
     uint vertex = uint(gl_VertexIndex);
     vec3 position;
-    if (VOLUME_SHAPE == VOLUME_SCREEN) {
+    if (VOLUME_SHAPE == VOLUME_SCREEN || VOLUME_SHAPE == VOLUME_OF_INSTANCE) {
         // As fullscreen.vert.
         vec2 corner = vec2(vertex & 1u, vertex >> 1);
         gl_Position = vec4(corner * 4.0 - 1.0, 0.0, 1.0);

@@ -26,7 +26,9 @@ Reflected light_of(Surface surface) {
     vec3 v = view_direction_world();
     if (!ONE_LIGHT) {
         return direct_light(surface, v);
-    } else if (is_lit_from(varying_light, surface, surface.position_world)) {
+    }
+    bool is_everywhere = HAS_DIRECTIONAL && varying_light < frame.light_counts.x;
+    if (is_everywhere || is_lit_from(varying_light, surface, surface.position_world)) {
         return light_reflected(varying_light, surface, reflector(surface, v), surface.position_world);
     }
     return Reflected(vec3(0.0), vec3(0.0));

@@ -1,13 +1,19 @@
 // What a material says at a fragment. Which textures exist, and where, are specialisation constants: a pipeline
 // samples what its material has and carries as many descriptors.
 
+#ifndef MATERIAL_SET
+#define MATERIAL_SET SET_MATERIAL
+// How a texture is looked up.
+#define MATERIAL_TEXTURE(SAMPLER, KIND) texture(SAMPLER, material_uv(KIND))
+#endif
+
 layout(constant_id = ID_ALPHA_MASK) const bool ALPHA_MASK = false;
 layout(constant_id = ID_VERTEX_COLOR) const bool VERTEX_COLOR = false;
 
 // Mirrors MaterialData in src/gpu/shared.rs. Uniforms rather than an element of a storage buffer: the address is the same
 // for the whole draw, so GPUs keep it in registers, and drivers that skip masked-off lanes' loads (lavapipe 22) cannot
 // spoil the derivatives of transformed texture coordinates.
-layout(set = SET_MATERIAL, binding = BINDING_MATERIAL, std140) uniform Material {
+layout(set = MATERIAL_SET, binding = BINDING_MATERIAL, std140) uniform Material {
     vec4 base_color_factor;
     vec4 emissive_factor_alpha_cutoff;
     float metallic_factor;
@@ -28,7 +34,7 @@ layout(constant_id = ID_SLOT_EMISSIVE) const int SLOT_EMISSIVE = -1;
 layout(constant_id = ID_TEXCOORD_BITS) const uint TEXCOORD_BITS = 0;
 layout(constant_id = ID_TRANSFORM_BITS) const uint TRANSFORM_BITS = 0;
 
-layout(set = SET_MATERIAL, binding = BINDING_TEXTURES) uniform sampler2D material_textures[TEXTURE_COUNT];
+layout(set = MATERIAL_SET, binding = BINDING_TEXTURES) uniform sampler2D material_textures[TEXTURE_COUNT];
 layout(location = VARYING_TEXCOORD) in vec4 varying_texcoord; // xy TEXCOORD_0, zw TEXCOORD_1
 
 vec2 material_uv(int kind) {
@@ -43,7 +49,7 @@ vec2 material_uv(int kind) {
 // A macro, so that the array index is a constant expression: no device feature for dynamic indexing is needed.
 // Samples come before any discard, where derivatives are still defined.
 #define MATERIAL_SAMPLE(NAME, ABSENT) \
-    (SLOT_##NAME < 0 ? (ABSENT) : texture(material_textures[SLOT_##NAME < 0 ? 0 : SLOT_##NAME], material_uv(KIND_##NAME)))
+    (SLOT_##NAME < 0 ? (ABSENT) : MATERIAL_TEXTURE(material_textures[SLOT_##NAME < 0 ? 0 : SLOT_##NAME], KIND_##NAME))
 
 // Linear Rec.709 and alpha: factor * texture * vertex colour (glTF 2.0, 3.9.2).
 vec4 material_base_color() {

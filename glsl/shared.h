@@ -5,6 +5,7 @@
 #define SET_FRAME 0
 #define SET_MATERIAL 1
 #define SET_INPUTS 1
+#define SET_DECAL_MATERIAL 2
 #define SET_LAYERS 2
 
 // Bindings of SET_FRAME and SET_MATERIAL.
@@ -23,6 +24,9 @@
 #define BINDING_LIGHTMAP 13
 #define BINDING_PROBES 14
 #define BINDING_VOLUMES 4
+#define BINDING_DECALS 20
+#define BINDING_CASTERS 21
+#define BINDING_CASTER_INSTANCES 22
 // Beside input attachments: scattered light that the tone curve mixes in.
 #define BINDING_BLOOM 24
 #define BINDING_MATERIAL 0
@@ -69,6 +73,7 @@
 #define VARYING_COLOR 3
 #define VARYING_LIGHT 4
 #define VARYING_LIGHTMAP 5
+#define VARYING_DECAL 8
 
 // Colour outputs, likewise: locations become places in the subpass.
 #define TARGET_DEPTH 0
@@ -163,12 +168,20 @@
 #define ID_BLOOM_STORED 81
 #define ID_BLOOM_STEP 82
 #define ID_BLOOM_DISPLAYED 83
+#define ID_DEPTH_STEP 84
+#define ID_SHADOW_VOLUMES 85
 #define ID_BLEND 90
 #define ID_TRANSLUCENCY 91
 #define ID_COLLECTED 92
 #define ID_LAYER_COUNT 93
 #define ID_LAYER_PAIRS 94
 #define ID_BEHIND_OPAQUE 95
+#define ID_DECAL_BASE_COLOR 100
+#define ID_DECAL_NORMAL 101
+#define ID_DECAL_ROUGHNESS 102
+#define ID_DECAL_METALLIC 103
+#define ID_DECAL_TARGETS 104
+#define ID_DECAL_BLENDED 105
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0
@@ -224,6 +237,7 @@
 #define SET_POST 0
 #define BINDING_POST_COLOR 25
 #define BINDING_POST_OWN 26
+#define BINDING_EDGE_COLOR 27
 
 // Values of the constant BLOOM_STEP.
 #define BLOOM_STEP_FIRST 0
@@ -241,6 +255,8 @@
 #define VOLUME_SPHERE 1
 #define VOLUME_CONE 2
 #define VOLUME_BOX 3
+// As the screen, for the light that the instance says.
+#define VOLUME_OF_INSTANCE 4
 
 // Bits of the stencil: pixels that are lit sample by sample, and what counts volumes' sides, from 0 and back to it.
 #define STENCIL_EDGE 128

@@ -24,10 +24,24 @@ fn options(path: Path) -> Options {
     Options { size: SIZE, layout: Layout::Exact, path, ..Options::default() }
 }
 
+/// Decals want a G-buffer.
+fn without_decals(mut scenes: Vec<Scene>) -> Vec<Scene> {
+    scenes.retain(|scene| scene.decals.is_empty());
+    scenes
+}
+
+fn built() -> Vec<Scene> {
+    without_decals(scenes::built())
+}
+
+fn shipped() -> Vec<Scene> {
+    without_decals(scenes::shipped())
+}
+
 /// What casts shadows is among the built ones; the maps of large scenes take most of their time.
 fn all_scenes() -> Vec<Scene> {
-    let shipped = scenes::shipped().into_iter().map(Scene::without_shadows);
-    scenes::built().into_iter().chain(shipped).collect()
+    let shipped = shipped().into_iter().map(Scene::without_shadows);
+    built().into_iter().chain(shipped).collect()
 }
 
 fn picture(gpu: &Gpu<'_>, scene: &Scene, options: Options) -> Picture {
@@ -80,12 +94,12 @@ fn forward_looks_like_deferred() {
         let all_curves =
             [scenes::every_feature(), scenes::lights_only(), scenes::foggy(), scenes::foggy_unlit()];
         all_curves.iter().for_each(|scene| each_case(|tonemap, output| check(scene, tonemap, output)));
-        for (scene, &tonemap) in scenes::built().iter().zip(Tonemap::ALL.iter().cycle()) {
+        for (scene, &tonemap) in built().iter().zip(Tonemap::ALL.iter().cycle()) {
             check(scene, tonemap, OutputFormat::Rgba8Srgb);
             check(scene, tonemap, OutputFormat::Rgba32Float);
         }
         let exact = (Tonemap::Neutral, OutputFormat::Rgba32Float);
-        scenes::shipped().iter().for_each(|scene| check(scene, exact.0, exact.1));
+        shipped().iter().for_each(|scene| check(scene, exact.0, exact.1));
     });
 }
 
@@ -188,7 +202,7 @@ fn what_rounding_does_not_explain_is_seen() {
 
 #[test]
 fn forward_holds_the_output_and_nothing_else() {
-    for scene in scenes::built().into_iter().filter(|s| Needs::of(s).blended.is_none()) {
+    for scene in built().into_iter().filter(|s| Needs::of(s).blended.is_none()) {
         let plan = Plan::new(Needs::of(&scene), options(Path::Forward), &Limits::default()).unwrap();
         let colors: Vec<_> = plan.attachments.iter().filter(|a| !a.format.is_depth()).collect();
         assert_eq!(colors.len(), 1, "{}", scene.name);
@@ -200,7 +214,7 @@ fn forward_holds_the_output_and_nothing_else() {
 #[test]
 fn multipass_adds_lights_on_the_tile() {
     let is_lit = |s: &Scene| Needs::of(s).listed_lights() > 0 && Needs::of(s).lit_opaque.is_some();
-    for scene in scenes::built().into_iter().filter(is_lit) {
+    for scene in built().into_iter().filter(is_lit) {
         let stages = if Needs::of(&scene).blended.is_some() { 4 } else { 3 };
         let plan = Plan::new(Needs::of(&scene), options(Path::ForwardMultipass), &Limits::default()).unwrap();
         assert_eq!((plan.passes.len(), plan.stage_count()), (1, stages), "{}", scene.name);

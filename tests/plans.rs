@@ -5,8 +5,8 @@ mod common;
 use common::expected::Expected;
 use common::{environments, scenes};
 use ontile::plan::{
-    BloomWay, Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Merging, Needs, Normals,
-    Options, OutputFormat, Path, Plan, Strategy,
+    BloomWay, Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Merging, Needs,
+    Normals, Options, OutputFormat, Path, Plan, Strategy,
 };
 use ontile::scene::Scene;
 
@@ -46,6 +46,7 @@ fn difference(expected: &str, actual: &str) -> Option<String> {
 fn printed() -> Vec<(String, String)> {
     let features = scenes::every_feature();
     let lights = scenes::lights_only();
+    let decals = scenes::decal_scenes::decals();
     let default = Options::default;
     let mut plans = vec![
         ("lit".to_owned(), plan(&lights, default())),
@@ -98,6 +99,13 @@ fn printed() -> Vec<(String, String)> {
         ("lightmapped_alone".into(), plan(&scenes::lightmapped_alone(), default())),
         ("before_sky".into(), plan(&scenes::before_sky(), default())),
         ("sky_unlit".into(), plan(&scenes::sky_unlit(), default())),
+        ("decals".into(), plan(&decals, default())),
+        ("decals_separate".into(), plan(&decals, separate())),
+        (
+            "decals_ordered_packed128".into(),
+            ordered(&decals, Options { layout: Layout::Packed128, ..default() }),
+        ),
+        ("decals_blended".into(), plan(&scenes::decal_scenes::color_decals(), default())),
         ("emissive_local_read".into(), local_read(&scenes::emissive(), LightWay::Auto)),
         ("emissive_local_read_stencil".into(), local_read(&scenes::emissive(), LightWay::Stencil)),
     ];
@@ -301,9 +309,53 @@ fn local_read_is_refused_with_the_reason_and_chosen_where_it_is_best() {
 
 fn in_words(scene: &Scene, strategy: Strategy) -> Plan {
     let lights = LightWay::Volumes;
-    let options = Options { layout: Layout::Packed128, lights, strategy, ..Options::default() };
+    ordered(scene, Options { layout: Layout::Packed128, lights, strategy, ..Options::default() })
+}
+
+/// On a device whose fragments are in order.
+fn ordered(scene: &Scene, options: Options) -> Plan {
     let limits = Limits { ordered_attachment_access: true, ..Limits::default() };
     Plan::new(Needs::of(scene), options, &limits).unwrap()
+}
+
+#[test]
+fn decals_are_ordered_as_the_device_and_the_layout_allow() {
+    let [all, colors] = [scenes::decal_scenes::decals(), scenes::decal_scenes::color_decals()];
+    let way = |scene: &Scene, layout, decals, ordered_attachment_access| {
+        let limits = Limits { ordered_attachment_access, ..Limits::default() };
+        let options = Options { layout, decals, ..Options::default() };
+        Plan::new(Needs::of(scene), options, &limits).map(|plan| plan.decal_way.unwrap())
+    };
+    let (metallic, packed) = (Layout::Metallic128, Layout::Packed128);
+    for (scene, layout, ordered, expected) in [
+        (&all, metallic, true, DecalWay::RasterOrder),
+        (&all, metallic, false, DecalWay::Barrier),
+        (&colors, metallic, true, DecalWay::Fixed),
+        (&colors, packed, true, DecalWay::RasterOrder),
+        (&colors, Layout::Specular160, false, DecalWay::Barrier),
+    ] {
+        assert_eq!(
+            way(scene, layout, DecalWay::Auto, ordered).unwrap(),
+            expected,
+            "{}, {layout}",
+            scene.name
+        );
+    }
+    for (scene, layout, asked, parts) in [
+        (&all, metallic, DecalWay::RasterOrder, ["rasterization-order", "--decals barrier"]),
+        (&all, metallic, DecalWay::Fixed, ["decal '", "--decals barrier"]),
+        (&colors, packed, DecalWay::Fixed, ["words of integers", "--decals barrier"]),
+        (&colors, Layout::Rasa128, DecalWay::Fixed, ["products", "--decals barrier"]),
+    ] {
+        let error = way(scene, layout, asked, false).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+    }
+    for path in [Path::Forward, Path::ForwardMultipass] {
+        let error = Plan::new(Needs::of(&all), Options { path, ..Options::default() }, &Limits::default());
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("painted over a G-buffer") && error.contains("--path deferred"), "{error}");
+    }
+    assert_eq!(plan(&all, Options { path: Path::Auto, ..Options::default() }).path, Path::Deferred);
 }
 
 #[test]

@@ -9,10 +9,11 @@ use ontile::glam::DVec3;
 use ontile::gpu::{RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{
-    BloomWay, Layout, Limits, Needs, Options, OutputFormat, OutputUse, Path, Plan, Strategy, Tonemap,
-    bloom_levels,
+    BloomWay, DepthStore, Layout, Limits, Needs, Options, OutputFormat, OutputUse, Path, Plan, Strategy,
+    Tonemap, bloom_levels,
 };
 use ontile::reference::bloom::{Light, mixed, scattered};
+use ontile::reference::edge_filter::{Place, edge_filter};
 use ontile::reference::tonemap::tonemap;
 use ontile::reference::tonemap_inverse::tonemap_inverse;
 use ontile::scene::Scene;
@@ -232,4 +233,94 @@ fn what_cannot_be_is_refused() {
         &Limits::default(),
     );
     assert_eq!(plan.unwrap().path, Path::Deferred);
+}
+
+/// The depth attachment, and all that a layout stores normals in.
+fn stored_places(gpu: &Gpu<'_>, scene: &Scene, options: &Options) -> Vec<Place> {
+    // The G-buffer of a frame that keeps it: the same pixels.
+    let options = Options { edge_filter: false, keep_gbuffer: true, ..options.clone() };
+    let offscreen = {
+        let mut offscreen = gpu.offscreen(scene, gpu.plan(scene, options), RendererConfig::default());
+        offscreen.render(&View { camera: &scene.cameras[0], exposure_ev: 0.0 }).unwrap();
+        offscreen
+    };
+    let [p, q, r, s] = scene.cameras[0].projection.distance_from_depth().map(f64::from);
+    let distance = |depth: f64| (p + q * depth.max(1e-7)) / (r + s * depth.max(1e-7));
+    let texels = |name: &str| offscreen.attachment(name).unwrap();
+    let (depths, normals) = (texels("depth"), texels("normal_roughness"));
+    let place = |(depth, normal): (&[f64], &[f64])| Place {
+        distance_m: distance(depth[0]),
+        step_m: 0.0,
+        normal: DVec3::new(normal[0], normal[1], normal[2]),
+    };
+    depths.chunks_exact(4).zip(normals.chunks_exact(4)).map(place).collect()
+}
+
+/// Given the same depths and normals, the same pixels are on edges, and they become the same mean.
+#[test]
+fn edges_are_smoothed_as_the_reference_says() {
+    /// Of what is interpolated in 8 bits between neighbours, as a share of the brightest of them.
+    const TOLERANCE: f64 = 1.0 / 256.0;
+    /// Where a change is just as large as makes an edge, rounding decides.
+    const UNDECIDED: usize = 2;
+    on_device(None, |gpu| {
+        for scene in [scenes::every_feature(), scenes::lights_only()] {
+            let options = Options {
+                size: SIZE,
+                layout: Layout::Exact,
+                // The depth attachment itself, which says where nothing is.
+                depth: Some(DepthStore::D32),
+                output: OutputFormat::Rgba32Float,
+                ..Options::default()
+            };
+            let plain = light(&gpu.picture(&scene, gpu.plan(&scene, options.clone()), 0.0));
+            let places = stored_places(gpu, &scene, &options);
+            let smoothed = Options { edge_filter: true, ..options };
+            let smoothed = light(&gpu.picture(&scene, gpu.plan(&scene, smoothed), 0.0));
+            let expected = edge_filter(&plain, &places);
+            let most = |l: &Light| l.pixels.iter().fold(0.0, |m: f64, p| m.max(p.max_element()));
+            let tolerance = TOLERANCE * most(&plain);
+            let pairs = smoothed.pixels.iter().zip(&expected.pixels);
+            let wrong = pairs.filter(|(a, e)| (**a - **e).abs().max_element() > tolerance).count();
+            let moved = plain.pixels.iter().zip(&smoothed.pixels).filter(|(a, b)| a != b).count();
+            println!("{}: {moved} pixels smoothed, {wrong} otherwise than expected", scene.name);
+            assert!(wrong <= UNDECIDED && moved > plain.pixels.len() / 50, "{}", scene.name);
+        }
+    });
+}
+
+/// Depth and normals are found in every layout, and neither strategy nor bloom change what is done with them.
+#[test]
+fn arrangements_do_not_change_smoothed_edges() {
+    on_device(None, |gpu| {
+        let limits = gpu.device().caps().limits();
+        let scene = scenes::every_feature();
+        let options = |layout| Options { size: SIZE, layout, edge_filter: true, ..Options::default() };
+        let mut checked = 0;
+        for &layout in Layout::ALL {
+            let options = options(layout);
+            if Plan::new(Needs::of(&scene), options.clone(), &limits).is_err() {
+                continue;
+            }
+            checked += 1;
+            for bloom in [BloomWay::Off, BloomWay::Store] {
+                let options = Options { bloom, ..options.clone() };
+                let expected = frames(gpu, &scene, gpu.plan(&scene, options.clone()), &[0.0; 2]);
+                for variant in [
+                    Options { strategy: Strategy::Separate, ..options.clone() },
+                    Options { recycle: false, ..options.clone() },
+                ] {
+                    let picture = frames(gpu, &scene, gpu.plan(&scene, variant), &[0.0; 2]);
+                    assert_eq!(difference(&expected, &picture), None, "{layout}, {bloom}");
+                }
+            }
+        }
+        assert_eq!(checked, Layout::ALL.len() - 1, "all but the one without a place for light");
+        let plan = gpu.plan(&scene, options(Layout::Metallic128));
+        let [loaded, stored] = plan.post_totals();
+        // Colour, depth and normals are read, the picture is written.
+        assert_eq!(([loaded, stored], plan.bytes_moved()), ([12.0, 4.0], 12));
+        let refused = Options { samples: 4, ..options(Layout::Metallic128) };
+        assert!(Plan::new(Needs::of(&scene), refused, &limits).is_err());
+    });
 }

@@ -11,12 +11,12 @@ mod reflect;
 mod shader_manifest;
 
 use ontile::gpu::shader::{
-    GBufferConstants, GeometryConstants, KIND_COUNT, LightingConstants, Module, OutputConstants,
-    SampleConstants, Specialization, embedded_names, prune, shared,
+    DecalConstants, GBufferConstants, GeometryConstants, KIND_COUNT, LightingConstants, Module,
+    OutputConstants, SampleConstants, Specialization, embedded_names, prune, shared,
 };
 use ontile::gpu::shared::{
-    ClusterGrid, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush, MaterialData,
-    ProbeData, ShadowPush, ShadowViewData,
+    ClusterGrid, DecalData, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush,
+    MaterialData, ProbeData, ShadowPush, ShadowViewData, VolumePush,
 };
 use ontile::plan::{BloomWay, Brdf, GBuffer, ResolveWay, Tonemap};
 use reflect::{Block, Reflection, block};
@@ -134,7 +134,7 @@ fn names_are_unique() {
     assert_eq!(all.iter().map(|m| m.name()).collect::<BTreeSet<_>>().len(), all.len());
 }
 
-fn blocks() -> [Block; 10] {
+fn blocks() -> [Block; 12] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -181,6 +181,10 @@ fn blocks() -> [Block; 10] {
             }
         ),
         block!("LightPush" = LightPush { light }),
+        block!(
+            "VolumePush" =
+                VolumePush { light, first_place, first_triangle, first_edge, edge_vertices, turned, unused }
+        ),
         block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
         block!(
             "ShadowView" =
@@ -189,6 +193,18 @@ fn blocks() -> [Block; 10] {
         block!("ShadowPush" = ShadowPush { clip_from_world, nearest_depth }),
         block!("Probe" = ProbeData { probe_from_world_rows, half_size, falloff, rotation, scale, padding }),
         block!("Environment" = EnvironmentUniforms { irradiance, rotation, scale, last_level }),
+        block!(
+            "Decal" = DecalData {
+                world_from_decal_rows,
+                decal_from_world_rows,
+                opacity,
+                inverse_falloff,
+                handedness,
+                facing,
+                whole_image,
+                padding,
+            }
+        ),
     ]
 }
 
@@ -320,7 +336,9 @@ fn every_constant() -> Specialization {
         .and(GBufferConstants::new(&GBuffer::exact()).specialization())
         .and(Specialization::brdf(Brdf::Exact))
         .and(Specialization::volume(0))
+        .and(DecalConstants::default().specialization())
         .and(every_constant_of_bloom())
+        .and(Specialization::edge_filter(0.0))
 }
 
 #[test]

@@ -24,4 +24,22 @@ Surface read_dissertation192() {
         diffuse_of(base_metallic.rgb, base_metallic.a), f0_of(base_metallic.rgb, base_metallic.a));
 }
 
+#ifdef SUBPASS_DECALS
+
+void paint_dissertation192(Paint paint) {
+    if (is_target(TARGET_POSITION)) {
+        vec4 position = input_load(input_position);
+        target_position = DECAL_ROUGHNESS ? vec4(position.xyz, paint.roughness) : position;
+    }
+    if (is_target(TARGET_NORMAL)) {
+        vec4 normal = input_load(input_normal);
+        target_normal = DECAL_NORMAL ? vec4(paint.normal_world * world_from_view(), normal.a) : normal;
+    }
+    if (is_target(TARGET_BASE_METALLIC)) {
+        target_base_metallic = painted_base_metallic(input_load(input_base_metallic), paint);
+    }
+}
+
+#endif
+
 #endif

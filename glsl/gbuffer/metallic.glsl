@@ -24,4 +24,17 @@ Surface read_metallic() {
         diffuse_of(base_color, base_metallic.a), f0_of(base_color, base_metallic.a));
 }
 
+#ifdef SUBPASS_DECALS
+
+void paint_metallic(Paint paint) {
+    if (is_target(TARGET_NORMAL_ROUGHNESS)) {
+        target_normal_roughness = painted_normal_roughness(input_load(input_normal_roughness), paint);
+    }
+    if (is_target(TARGET_BASE_METALLIC)) {
+        target_base_metallic = painted_base_metallic(input_load(input_base_metallic), paint);
+    }
+}
+
+#endif
+
 #endif

@@ -33,4 +33,32 @@ vec4 read_light_metallic256() {
         unpackHalf2x16(input_load(input_words).w), unpackHalf2x16(more.x).x, (more.z & 0x8000u) != 0u ? 1.0 : 0.0);
 }
 
+#ifdef SUBPASS_DECALS
+
+vec4 base_metallic_metallic256() {
+    uvec4 more = input_load(input_more_words);
+    return vec4(from_b10g11r11(more.w), abs(unpackHalf2x16(more.z).y));
+}
+
+void paint_metallic256(Paint paint) {
+    uvec4 more = input_load(input_more_words);
+    if (DECAL_NORMAL) {
+        more.x = bitfieldInsert(more.x, packHalf2x16(vec2(paint.normal_world.x, 0.0)), 16, 16);
+        more.y = packHalf2x16(paint.normal_world.yz);
+    }
+    if (DECAL_ROUGHNESS) {
+        // Its sign stays.
+        more.z = bitfieldInsert(more.z, packHalf2x16(vec2(paint.roughness, 0.0)), 0, 15);
+    }
+    if (DECAL_METALLIC) {
+        more.z = bitfieldInsert(more.z, packHalf2x16(vec2(paint.metallic, 0.0)), 16, 16);
+    }
+    if (DECAL_BASE_COLOR) {
+        more.w = b10g11r11_of(paint.base_color);
+    }
+    target_more_words = more;
+}
+
+#endif
+
 #endif

@@ -111,8 +111,15 @@ vec3 decode_normal(vec4 stored) {
     return unit(world_from_view() * vec3(p, sqrt(max(1.0 - dot(p, p), 0.0))));
 }
 
+bool has_roughness_third() {
+    return NORMALS == NORMALS_OCTAHEDRAL_8 || NORMALS == NORMALS_OCTAHEDRAL_10 || NORMALS == NORMALS_OCTAHEDRAL_16;
+}
+
 float decode_roughness(vec4 stored) {
-    bool two_channels = NORMALS == NORMALS_OCTAHEDRAL_8 || NORMALS == NORMALS_OCTAHEDRAL_10
-        || NORMALS == NORMALS_OCTAHEDRAL_16;
-    return two_channels ? stored.z : stored.w;
+    return has_roughness_third() ? stored.z : stored.w;
+}
+
+// The same normal beside another roughness.
+vec4 with_roughness(vec4 stored, float roughness) {
+    return has_roughness_third() ? vec4(stored.xy, roughness, stored.w) : vec4(stored.xyz, roughness);
 }

@@ -61,6 +61,36 @@ vec4 read_light_packed128(bool tell_background) {
     return vec4(from_light_word(input_load(input_light_word).xy), covered);
 }
 
+#ifdef SUBPASS_DECALS
+
+vec4 base_metallic_packed128() {
+    uvec2 words = input_load(input_words).xy;
+    vec3 stored = vec3(words.y & 511u, words.y >> 9 & 511u, words.y >> 18 & 511u) / 511.0;
+    return vec4(from_hyperbola(stored), float(words.x >> 31 << 5 | words.y >> 27) / 63.0);
+}
+
+void paint_packed128(Paint paint) {
+    uvec2 words = input_load(input_words).xy;
+    uvec2 rest = uvec2(clamp(vec2(paint.roughness, paint.metallic), 0.0, 1.0) * vec2(511.0, 63.0) + 0.5);
+    if (DECAL_NORMAL) {
+        uvec2 normal = octahedral_codes(paint.normal_world, HALF_STEPS_11);
+        words.x = bitfieldInsert(words.x, normal.x | normal.y << 11, 0, 22);
+    }
+    if (DECAL_ROUGHNESS) {
+        words.x = bitfieldInsert(words.x, rest.x, 22, 9);
+    }
+    if (DECAL_METALLIC) {
+        words = uvec2(bitfieldInsert(words.x, rest.y >> 5, 31, 1), bitfieldInsert(words.y, rest.y, 27, 5));
+    }
+    if (DECAL_BASE_COLOR) {
+        uvec3 color = uvec3(hyperbola_of(paint.base_color) * 511.0 + 0.5);
+        words.y = bitfieldInsert(words.y, color.r | color.g << 9 | color.b << 18, 0, 27);
+    }
+    target_words = uvec4(words, 0u, 0u);
+}
+
+#endif
+
 #ifdef SUBPASS_LIGHTING
 
 void add_light_packed128(vec3 light) {

@@ -28,4 +28,19 @@ Surface read_rasa128() {
         decode_color(input_load(input_base_metallic).rgb), decode_color(input_load(input_specular).rgb));
 }
 
+#ifdef SUBPASS_DECALS
+
+void paint_rasa128(Paint paint) {
+    if (is_target(TARGET_NORMAL)) {
+        vec4 normal = input_load(input_normal);
+        if (DECAL_NORMAL) {
+            normal.xy = (paint.normal_world * world_from_view()).xy * 0.5 + 0.5;
+        }
+        target_normal = DECAL_ROUGHNESS ? vec4(normal.xy, paint.roughness, normal.a) : normal;
+    }
+    paint_products(paint);
+}
+
+#endif
+
 #endif

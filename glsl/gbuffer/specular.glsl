@@ -17,4 +17,28 @@ Surface read_specular() {
     return surface;
 }
 
+#ifdef SUBPASS_DECALS
+
+// Albedo and reflectance as products of base colour and metallicness.
+vec4 painted_product(vec4 stored, vec3 product) {
+    return DECAL_BASE_COLOR || DECAL_METALLIC ? vec4(encode_color(product), stored.a) : stored;
+}
+
+void paint_products(Paint paint) {
+    if (is_target(TARGET_BASE_METALLIC)) {
+        vec3 diffuse = diffuse_of(paint.base_color, paint.metallic);
+        target_base_metallic = painted_product(input_load(input_base_metallic), diffuse);
+        target_specular = painted_product(input_load(input_specular), f0_of(paint.base_color, paint.metallic));
+    }
+}
+
+void paint_specular(Paint paint) {
+    if (is_target(TARGET_NORMAL_ROUGHNESS)) {
+        target_normal_roughness = painted_normal_roughness(input_load(input_normal_roughness), paint);
+    }
+    paint_products(paint);
+}
+
+#endif
+
 #endif

@@ -28,4 +28,24 @@ vec4 read_light_specular256() {
         unpackHalf2x16(input_load(input_words).w), unpackHalf2x16(word).x, (word & 0x80000000u) != 0u ? 1.0 : 0.0);
 }
 
+#ifdef SUBPASS_DECALS
+
+void paint_specular256(Paint paint) {
+    uvec4 more = input_load(input_more_words);
+    if (DECAL_ROUGHNESS) {
+        // Its sign stays.
+        more.x = bitfieldInsert(more.x, packHalf2x16(vec2(paint.roughness, 0.0)), 16, 15);
+    }
+    if (DECAL_NORMAL) {
+        more.y = b10g11r11_of(paint.normal_world * 0.5 + 0.5);
+    }
+    if (DECAL_BASE_COLOR || DECAL_METALLIC) {
+        more.z = b10g11r11_of(diffuse_of(paint.base_color, paint.metallic));
+        more.w = b10g11r11_of(f0_of(paint.base_color, paint.metallic));
+    }
+    target_more_words = more;
+}
+
+#endif
+
 #endif

@@ -24,4 +24,21 @@ Surface read_thibieroz128() {
         diffuse_of(base_color, base_metallic.a), f0_of(base_color, base_metallic.a));
 }
 
+#ifdef SUBPASS_DECALS
+
+void paint_thibieroz128(Paint paint) {
+    if (is_target(TARGET_POSITION)) {
+        vec4 position = input_load(input_position);
+        target_position = DECAL_ROUGHNESS ? vec4(position.xyz, paint.roughness) : position;
+    }
+    if (is_target(TARGET_NORMAL)) {
+        target_normal = DECAL_NORMAL ? vec4(paint.normal_world * 0.5 + 0.5, 1.0) : input_load(input_normal);
+    }
+    if (is_target(TARGET_BASE_METALLIC)) {
+        target_base_metallic = painted_base_metallic(input_load(input_base_metallic), paint);
+    }
+}
+
+#endif
+
 #endif

@@ -29,4 +29,20 @@ Surface read_thibieroz96() {
         vec3(DIELECTRIC_F0));
 }
 
+#ifdef SUBPASS_DECALS
+
+void paint_thibieroz96(Paint paint) {
+    vec3 normal = paint.normal_world * 0.5 + 0.5;
+    if (is_target(TARGET_BASE_METALLIC)) {
+        vec4 base = input_load(input_base_metallic);
+        vec3 color = DECAL_BASE_COLOR ? encode_color(paint.base_color) : base.rgb;
+        target_base_metallic = vec4(color, DECAL_NORMAL ? normal.z : base.a);
+    }
+    if (is_target(TARGET_NORMAL_XY)) {
+        target_normal_xy = DECAL_NORMAL ? normal.xy : input_load(input_normal_xy).xy;
+    }
+}
+
+#endif
+
 #endif

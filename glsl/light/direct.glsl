@@ -15,6 +15,9 @@ layout(constant_id = ID_HAS_BACK) const bool HAS_BACK = false;
 layout(constant_id = ID_CLUSTERS) const bool CLUSTERS = false; // lights with a place are listed by cell
 layout(constant_id = ID_GLOBE_MAPS) const bool GLOBE_MAPS = false;
 layout(constant_id = ID_SHADOWS) const bool SHADOWS = false;
+// Lights whose shadows are volumes (Light.shadow says so) are added by themselves.
+layout(constant_id = ID_SHADOW_VOLUMES) const bool SHADOW_VOLUMES = false;
+const uint SHADOW_BY_VOLUME = 0xffffffffu;
 // Lights that have a place, and lights that all pixels go through.
 #define HAS_PLACED (HAS_POINT || HAS_SPOT || HAS_BOX)
 #define HAS_SCANNED (HAS_DIRECTIONAL || (HAS_PLACED && !CLUSTERS))
@@ -22,6 +25,9 @@ layout(constant_id = ID_SHADOWS) const bool SHADOWS = false;
 // What a surface at `position` reflects of one light, world space. The light's kind follows from its place in the list; where
 // there is but one kind nothing is asked.
 Reflected light_reflected(uint i, Surface surface, Reflector r, vec3 position) {
+    if (SHADOW_VOLUMES && lights[i].shadow == SHADOW_BY_VOLUME) {
+        return Reflected(vec3(0.0), vec3(0.0));
+    }
     uint point_begin = frame.light_counts.x;
     uint spot_begin = point_begin + frame.light_counts.y;
     uint box_begin = spot_begin + frame.light_counts.z;

@@ -11,8 +11,9 @@ use ontile::glam::Vec3;
 use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
-    BloomWay, Brdf, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, Options, OutputFormat,
-    Path, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap, Translucency,
+    BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, Options,
+    OutputFormat, Path, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
+    Translucency,
 };
 use ontile::scene::{Background, FogHeight, Scene};
 
@@ -184,6 +185,10 @@ pub struct PlanArgs {
     /// Keep lighting and tonemap apart, even where nothing needs the light target [default: merge them]
     #[arg(long)]
     pub no_fold: bool,
+    /// How decals that overlap are painted one after the other: by rasterization-order attachment access, with barriers in
+    /// between, or by fixed-function blending, where the layout allows
+    #[arg(long, value_name = "WAY", default_value_t = DecalWay::Auto, value_parser = named(DecalWay::ALL, DecalWay::name))]
+    pub decals: DecalWay,
     /// Light that lens and eye scatter around bright places; the frame's pass stays whole: from the previous frame's picture, which
     /// the tone curve has cut, or from its light, which is stored beside the picture
     #[arg(long, value_name = "WAY", default_value_t = BloomWay::Off, value_parser = named(BloomWay::ALL, BloomWay::name))]
@@ -194,6 +199,14 @@ pub struct PlanArgs {
     /// How far bloom reaches, as a share of the picture's shorter side, above 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, allow_negative_numbers = true)]
     pub bloom_radius: f32,
+    /// Smooth edges that depth and normals of neighbours show, in a pass after the frame's own, for which they are stored
+    /// [default: off]
+    #[arg(long)]
+    pub edge_filter: bool,
+    /// Hard shadows, exact to the pixel, by counting the spaces behind what faces a light in the stencil, on the tile, in place of
+    /// shadow maps: for directional, point and spot lights without alpha masks in their reach [default: off]
+    #[arg(long)]
+    pub shadow_volumes: bool,
 }
 
 impl PlanArgs {
@@ -230,10 +243,13 @@ impl PlanArgs {
             bloom: self.bloom,
             bloom_strength: self.bloom_strength,
             bloom_radius: self.bloom_radius,
+            edge_filter: self.edge_filter,
+            shadow_volumes: self.shadow_volumes,
             dither: self.dither,
             samples: self.samples,
             edges: self.edges,
             resolve: self.resolve,
+            decals: self.decals,
             environment_format: self.environment_format.unwrap_or(default.environment_format),
             lightmap_format: self.lightmap_format.unwrap_or(default.lightmap_format),
             ..default

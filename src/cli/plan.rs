@@ -58,6 +58,7 @@ pub fn run(args: &PlanCommandArgs) -> ontile::Result<()> {
     let limits = Limits {
         max_image_size: u32::MAX,
         ordered_attachment_access: true,
+        depth_clamp: true,
         merging,
         sample_counts: 1 | 2 | 4 | 8,
         word_sample_counts: 1 | 2 | 4 | 8,

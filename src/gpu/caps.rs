@@ -62,6 +62,9 @@ pub struct Caps {
     pub integer_sample_counts: Vec<u32>,
     /// The `sampleRateShading` feature.
     pub sample_rate_shading: bool,
+    /// `depthClamp`.
+    #[serde(default)]
+    pub depth_clamp: bool,
     /// Nanoseconds per timestamp step.
     pub timestamp_period_ns: f32,
     /// Meaningful bits of a timestamp on the queue family in use; 0 without timestamps.
@@ -128,6 +131,7 @@ impl Caps {
             sample_counts: self.sample_counts.iter().sum(),
             word_sample_counts: self.integer_sample_counts.iter().sum(),
             sample_shading: self.sample_rate_shading,
+            depth_clamp: self.depth_clamp,
             depth_stencil: if self.d32_s8 { Format::D32FloatS8 } else { Format::D24UnormS8 },
         }
     }
@@ -256,6 +260,7 @@ impl Caps {
             sample_counts: counts(sample_counts),
             integer_sample_counts: counts(sample_counts & integer_sample_counts),
             sample_rate_shading: features.sample_rate_shading == vk::TRUE,
+            depth_clamp: features.depth_clamp == vk::TRUE,
             timestamp_period_ns: limits.timestamp_period,
             timestamp_valid_bits: families.get(queue_family as usize).map_or(0, |f| f.timestamp_valid_bits),
             d32_s8: {

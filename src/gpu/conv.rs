@@ -101,22 +101,25 @@ pub fn usage(u: Usage) -> vk::ImageUsageFlags {
     flags.iter().filter(|(on, _)| *on).fold(vk::ImageUsageFlags::empty(), |all, (_, flag)| all | *flag)
 }
 
-/// Pipeline stages and access flags.
+/// Pipeline stages and access flags of a set.
 pub fn scope(s: &Scope) -> (vk::PipelineStageFlags, vk::AccessFlags) {
+    let none = (vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());
+    s.iter().map(|&a| access(a)).fold(none, |all, one| (all.0 | one.0, all.1 | one.1))
+}
+
+/// Pipeline stages and access flags.
+pub fn access(a: Access) -> (vk::PipelineStageFlags, vk::AccessFlags) {
     use vk::{AccessFlags as A, PipelineStageFlags as S};
     let tests = S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS;
-    s.iter().fold((S::empty(), A::empty()), |(stages, access), a| {
-        let (s, a) = match a {
-            Access::ColorRead => (S::COLOR_ATTACHMENT_OUTPUT, A::COLOR_ATTACHMENT_READ),
-            Access::ColorWrite => (S::COLOR_ATTACHMENT_OUTPUT, A::COLOR_ATTACHMENT_WRITE),
-            Access::DepthRead => (tests, A::DEPTH_STENCIL_ATTACHMENT_READ),
-            Access::DepthWrite => (tests, A::DEPTH_STENCIL_ATTACHMENT_WRITE),
-            Access::InputRead => (S::FRAGMENT_SHADER, A::INPUT_ATTACHMENT_READ),
-            Access::SampledRead => (S::FRAGMENT_SHADER, A::SHADER_READ),
-            Access::TransferRead => (S::TRANSFER, A::TRANSFER_READ),
-        };
-        (stages | s, access | a)
-    })
+    match a {
+        Access::ColorRead => (S::COLOR_ATTACHMENT_OUTPUT, A::COLOR_ATTACHMENT_READ),
+        Access::ColorWrite => (S::COLOR_ATTACHMENT_OUTPUT, A::COLOR_ATTACHMENT_WRITE),
+        Access::DepthRead => (tests, A::DEPTH_STENCIL_ATTACHMENT_READ),
+        Access::DepthWrite => (tests, A::DEPTH_STENCIL_ATTACHMENT_WRITE),
+        Access::InputRead => (S::FRAGMENT_SHADER, A::INPUT_ATTACHMENT_READ),
+        Access::SampledRead => (S::FRAGMENT_SHADER, A::SHADER_READ),
+        Access::TransferRead => (S::TRANSFER, A::TRANSFER_READ),
+    }
 }
 
 /// A number of samples a pixel, of those that a plan can have.

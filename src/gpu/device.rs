@@ -59,6 +59,8 @@ pub struct Features {
     pub subpass_merge_feedback: bool,
     /// `sampleRateShading`: G-buffers of several samples a pixel want it.
     pub sample_rate_shading: bool,
+    /// `depthClamp`: shadow volumes want it.
+    pub depth_clamp: bool,
 }
 
 /// A Vulkan device and what is needed to use it. Clones are cheap and share everything.

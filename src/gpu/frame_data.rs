@@ -4,11 +4,12 @@ use std::time::{Duration, Instant};
 
 use ash::vk;
 
+use super::decals::Decals;
 use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::objects::Objects;
 use super::shader::shared;
-use super::shared::{FrameUniforms, InstanceData, LightData};
+use super::shared::{DecalData, FrameUniforms, InstanceData, LightData};
 use super::{Buffer, BufferDesc, Device, MemoryUse, View};
 use crate::Result;
 use crate::plan::{Plan, Seen};
@@ -26,6 +27,8 @@ pub(super) struct FrameData {
     pub(super) lights: Option<Buffer>,
     /// `None` if the plan's way of lights has no lists.
     pub(super) light_lists: Option<Buffer>,
+    /// `None` if nothing is painted.
+    pub(super) decals: Option<Buffer>,
 }
 
 /// How much of a scene was written for a frame.
@@ -40,19 +43,20 @@ pub(super) struct Written {
 /// What there is to see.
 pub(super) struct Everything<'a> {
     pub(super) objects: &'a mut Objects,
-    pub(super) lights: &'a Lights,
+    pub(super) lights: &'a mut Lights,
     pub(super) light_lists: &'a mut LightLists,
+    pub(super) decals: &'a mut Decals,
     pub(super) ambient_nt: glam::Vec3,
 }
 
 impl FrameData {
-    /// Makes what pipelines read: bit `n` of `read` is binding `n` of `SET_FRAME`.
+    /// Makes what pipelines read: bit `n` of `read` is binding `n` of `SET_FRAME`. There are so many objects, lights and
+    /// decals.
     pub(super) fn new(
         device: &Device,
         plan: &Plan,
         read: u32,
-        objects: usize,
-        lights: usize,
+        [objects, lights, decals]: [usize; 3],
     ) -> Result<Self> {
         let is_read = |binding: u32| read & (1 << binding) != 0;
         let buffer = |name, bytes: usize, usage| {
@@ -75,6 +79,9 @@ impl FrameData {
                 .then(|| buffer("lights", lights.max(1) * size_of::<LightData>(), storage))
                 .transpose()?,
             light_lists: light_lists.transpose()?,
+            decals: (decals > 0)
+                .then(|| buffer("decals", decals * size_of::<DecalData>(), storage))
+                .transpose()?,
         })
     }
 
@@ -88,7 +95,7 @@ impl FrameData {
         cull: bool,
         [share, factor]: [f32; 2],
     ) -> Written {
-        let Everything { objects, lights, light_lists, ambient_nt } = scene;
+        let Everything { objects, lights, light_lists, decals, ambient_nt } = scene;
         let mut uniforms = view.uniforms(plan, size, ambient_nt);
         let clip_from_world = glam::Mat4::from_cols_array_2d(&uniforms.clip_from_world);
         let sight = Sight::new(&clip_from_world, &view.camera.world_from_view);
@@ -102,6 +109,10 @@ impl FrameData {
         let counts = lights.write_visible(frustum, light_list, light_lists.reaches_mut());
         uniforms.light_counts = counts;
         uniforms.hemispheres = lights.hemispheres();
+        if let Some(buffer) = &mut self.decals {
+            let out = bytemuck::cast_slice_mut(buffer.mapped_mut());
+            decals.write_visible(&clip_from_world, frustum, view.camera, out);
+        }
         uniforms.bloom = [share, factor, 0.0, 0.0];
         if let Some(buffer) = &mut self.uniforms {
             buffer.mapped_mut().copy_from_slice(bytemuck::bytes_of(&uniforms));
@@ -120,8 +131,8 @@ impl FrameData {
 
     /// Size of the memory.
     pub(super) fn allocated_bytes(&self) -> u64 {
-        let Self { uniforms, instances, lightmap_rects, lights, light_lists } = self;
-        let buffers = [uniforms, instances, lightmap_rects, lights, light_lists];
+        let Self { uniforms, instances, lightmap_rects, lights, light_lists, decals } = self;
+        let buffers = [uniforms, instances, lightmap_rects, lights, light_lists, decals];
         buffers.into_iter().flatten().map(Buffer::allocated_bytes).sum()
     }
 }

@@ -234,7 +234,8 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
         .image_cube_array(caps.image_cube_array)
         .occlusion_query_precise(caps.occlusion_precise)
         .independent_blend(caps.local_read)
-        .sample_rate_shading(caps.sample_rate_shading);
+        .sample_rate_shading(caps.sample_rate_shading)
+        .depth_clamp(caps.depth_clamp);
     // SAFETY: the device was enumerated from this instance.
     let offered = unsafe { instance.raw.enumerate_device_extension_properties(physical_device) };
     let offered = offered.called("vkEnumerateDeviceExtensionProperties")?;
@@ -299,6 +300,7 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
             local_read: caps.local_read,
             subpass_merge_feedback: caps.subpass_merge_feedback,
             sample_rate_shading: caps.sample_rate_shading,
+            depth_clamp: caps.depth_clamp,
         },
     };
     let owned = OwnedDevice { raw, _instance: instance };

@@ -21,7 +21,22 @@ pub(super) struct Lights {
     planned: [bool; KINDS],
     /// Whether shaders were specialised for light from behind.
     planned_back: bool,
+    /// Lights with shadow volumes that the frame written last sees.
+    volumes: Vec<VolumeLight>,
 }
+
+/// A light whose shadow is counted in the stencil.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct VolumeLight {
+    /// Its number among the frame's lights.
+    pub(super) index: u32,
+    /// As in [`VolumePush`](super::shared::VolumePush).
+    pub(super) light: [f32; 4],
+    pub(super) reach: Reach,
+}
+
+/// What `LightData::shadow` is of those: `SHADOW_BY_VOLUME` in `glsl/light/direct.glsl`.
+const BY_VOLUME: u32 = u32::MAX;
 
 struct Placed {
     kind: usize,
@@ -72,11 +87,15 @@ impl Lights {
         lights: &[Light],
         shadow_map: Option<&ShadowMap>,
         globe_layers: Option<&[Option<u32>]>,
+        volume_lights: &[usize],
     ) -> Self {
         let placed = |(i, light): (usize, &Light)| {
             let layer = globe_layers.and_then(|layers| layers[i]);
             let maps = Maps {
-                shadow_tiles: shadow_map.map_or(0, |map| map.reference(i)),
+                shadow_tiles: match volume_lights.contains(&i) {
+                    true => BY_VOLUME,
+                    false => shadow_map.map_or(0, |map| map.reference(i)),
+                },
                 globe: light.shown_globe_map().map(|map| map.picture).zip(layer),
             };
             Placed::new(light, maps)
@@ -87,7 +106,8 @@ impl Lights {
         let mut order: Vec<_> = (0..placed.len()).filter(|&i| planned[placed[i].kind]).collect();
         order.sort_by_key(|&i| placed[i].kind);
         let planned_back = placed.iter().any(|l| l.reach.is_some() && l.has_back());
-        Self { placed, order, planned, planned_back }
+        let volumes = Vec::with_capacity(volume_lights.len());
+        Self { placed, order, planned, planned_back, volumes }
     }
 
     /// How many may be lit: the length of a buffer that can hold all of them.
@@ -136,24 +156,37 @@ impl Lights {
     /// Writes, as far as there is room, those that reach something that the view sees (all of them without a view) and are not dark, and returns
     /// how many they are of each kind: directional, point, spot, box. `reaches` gets the reach of each, in their order.
     pub(super) fn write_visible(
-        &self,
+        &mut self,
         view: Option<&Frustum>,
         out: &mut [LightData],
         reaches: &mut Vec<Reach>,
     ) -> [u32; LISTED] {
         reaches.clear();
+        let Self { order, placed, volumes, .. } = self;
+        volumes.clear();
         let mut counts = [0; LISTED];
-        for light in self.order.iter().map(|&i| &self.placed[i]).filter(|l| l.kind < LISTED) {
+        for light in order.iter().map(|&i| &placed[i]).filter(|l| l.kind < LISTED) {
             let Some(reach) = light.reach else { continue };
             if !view.is_some_and(|view| view.misses(&reach)) {
                 if let Some(out) = out.get_mut(reaches.len()) {
                     *out = light.data;
+                }
+                if light.data.shadow == BY_VOLUME {
+                    let [x, y, z, _] = light.data.place;
+                    let [dx, dy, dz] = light.data.direction_world.map(|c| -c);
+                    let at = if light.kind == 0 { [dx, dy, dz, 0.0] } else { [x, y, z, 1.0] };
+                    volumes.push(VolumeLight { index: reaches.len() as u32, light: at, reach });
                 }
                 reaches.push(reach);
                 counts[light.kind] += 1;
             }
         }
         counts
+    }
+
+    /// Lights with shadow volumes that the frame written last sees.
+    pub(super) fn volumes(&self) -> &[VolumeLight] {
+        &self.volumes
     }
 
     /// All hemisphere lights that are not dark as one: [`FrameUniforms::hemispheres`](super::shared::FrameUniforms).

@@ -23,6 +23,7 @@ mod caps;
 mod command;
 mod conv;
 mod convert;
+mod decals;
 mod descriptor;
 mod device;
 mod explain;
@@ -58,6 +59,7 @@ mod texture;
 mod upload;
 mod validation;
 mod view;
+mod volume_casters;
 
 pub use ash;
 pub use gpu_allocator;

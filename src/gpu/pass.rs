@@ -125,7 +125,8 @@ fn check_features(device: &Device, pass: &Pass) -> Result<()> {
         return Err(Error::unsupported(
             "the plan has fragments read the attachments that they write, and the device was made without \
              rasterizationOrderColorAttachmentAccess (VK_EXT_rasterization_order_attachment_access)",
-            "enable it and say so in `Features`; or use --lights clusters, and --translucency weighted",
+            "enable it and say so in `Features`; or use --lights clusters, --layout ontile128, --decals barrier and \
+             --translucency weighted",
         ));
     }
     Ok(())

@@ -1,7 +1,9 @@
 //! The renderer: a plan made of Vulkan objects, and frames recorded with them.
 
+mod decals;
 mod post;
 mod record;
+mod shadow_volumes;
 
 use std::sync::Arc;
 
@@ -19,7 +21,7 @@ use super::{
     Device, Image, OutputImage, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
 use crate::plan::{FrameCounts, MergeReport, Needs, OutputUse, Plan, State, Usage};
-use crate::scene::{Light, Scene};
+use crate::scene::{Decal, Light, Scene};
 use crate::{Error, Result};
 use record::Frame;
 
@@ -258,7 +260,7 @@ impl Renderer {
     /// [`Error::Unsupported`] if the scene has no such instance, the matrix is not affine and finite, or the instance would
     /// become mirrored or cease to be (its determinant's sign): that takes another pipeline. Nothing is changed then.
     pub fn set_instance(&mut self, index: usize, world_from_object: &Mat4) -> Result<()> {
-        self.scene.objects_mut().set(index, world_from_object)?;
+        self.scene.set_instance(index, world_from_object)?;
         if let Some(shadows) = &mut self.shadows {
             shadows.set_instance(index, world_from_object);
         }
@@ -286,6 +288,15 @@ impl Renderer {
             shadows.set_light(index, light);
         }
         Ok(())
+    }
+
+    /// Changes the scene's decal `index` for the frames recorded from now on: its box, opacities, angles and falloff.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the scene has no such decal, a number means nothing, or it takes what the plan does not have:
+    /// another material or priority, or a channel that it did not paint. Nothing is changed then.
+    pub fn set_decal(&mut self, index: usize, decal: &Decal) -> Result<()> {
+        self.scene.decals_mut().set(index, decal)
     }
 
     /// The shadow map, if something was drawn into it; between frames in SHADER_READ_ONLY_OPTIMAL.

@@ -6,16 +6,18 @@ use std::ops::Range;
 use ash::vk;
 
 use super::around::AroundData;
+use super::decals::Decals;
 use super::descriptor::{Content, DescriptorSets};
 use super::frame_data::{Everything, FrameData, Written};
 use super::globe_maps::GlobeMaps;
 use super::light_lists::LightLists;
-use super::lights::Lights;
+use super::lights::{Lights, VolumeLight};
 use super::material_data::Materials;
 use super::objects::{Batch, Objects};
 use super::pipeline::{Family, FamilyLayout, Pipelines};
 use super::shader::shared;
 use super::shadow::ShadowResources;
+use super::volume_casters::VolumeCasters;
 use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
 use crate::Result;
 use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind, VolumeShape};
@@ -31,12 +33,14 @@ pub(super) struct SceneData {
     objects: Objects,
     lights: Lights,
     light_lists: LightLists,
+    decals: Decals,
     /// One a frame slot.
     frames: Vec<FrameData>,
     materials: Option<Materials>,
     geometry: Geometry,
     textures: Textures,
     globe_maps: Option<GlobeMaps>,
+    volume_casters: Option<VolumeCasters>,
     around: AroundData,
     ambient_nt: glam::Vec3,
 }
@@ -54,27 +58,35 @@ impl SceneData {
         let objects = Objects::new(scene, plan);
         let globes = (plan.needs.globe_maps > 0).then(|| scene.globe_layers()).transpose()?;
         let globe_layers = globes.as_ref().map(|g| g.first_of_light.as_slice());
-        let lights = Lights::new(&scene.lights, plan.shadow_map.as_ref(), globe_layers);
-        let materials: BTreeSet<_> = objects.batches().iter().map(|batch| batch.material).collect();
+        let lights = Lights::new(&scene.lights, plan.shadow_map.as_ref(), globe_layers, &plan.volume_lights);
+        let decals = Decals::new(scene, plan);
+        let of_objects = objects.batches().iter().map(|batch| batch.material);
+        let materials: BTreeSet<_> = of_objects.chain(decals.materials().map(|(_, m)| m)).collect();
         let streams = streams(scene, plan, objects.batches());
         let geometry = Geometry::new(device, upload, &scene.meshes, &streams)?;
-        let keys = texture_keys(scene, plan, objects.batches());
+        let keys = texture_keys(scene, plan, objects.batches(), &decals);
         let textures = Textures::new(device, upload, &scene.images, &scene.textures, &keys)?;
         let frame_kinds: Vec<u32> = frame_layouts(pipelines).into_keys().collect();
         let read = frame_kinds.iter().fold(0, |all, kind| all | kind);
-        let frames = (0..slots).map(|_| FrameData::new(device, plan, read, objects.count(), lights.count()));
+        let counts = [objects.count(), lights.count(), decals.count()];
+        let frames = (0..slots).map(|_| FrameData::new(device, plan, read, counts));
         let mut data = Self {
             frame_sets: None,
             material_sets: None,
             frames: frames.collect::<Result<_>>()?,
             frame_kinds,
             objects,
+            decals,
             light_lists: LightLists::new(plan, lights.count()),
             lights,
             materials: Materials::new(device, upload, scene, &materials)?,
             geometry,
             textures,
             globe_maps: globes.map(|layers| GlobeMaps::new(device, upload, &layers)).transpose()?,
+            volume_casters: match plan.volume_lights.is_empty() {
+                true => None,
+                false => VolumeCasters::new(device, upload, scene, slots)?,
+            },
             around: AroundData::new(device, upload, scene, plan)?,
             ambient_nt: scene.ambient_nt,
         };
@@ -93,9 +105,33 @@ impl SceneData {
         self.light_lists.reaches()
     }
 
-    /// What is drawn, to move it.
-    pub(super) fn objects_mut(&mut self) -> &mut Objects {
-        &mut self.objects
+    /// What is painted.
+    pub(super) fn decals(&self) -> &Decals {
+        &self.decals
+    }
+
+    /// What is painted, to change it.
+    pub(super) fn decals_mut(&mut self) -> &mut Decals {
+        &mut self.decals
+    }
+
+    /// Moves an element of `Scene::instances`.
+    pub(super) fn set_instance(&mut self, index: usize, world_from_object: &glam::Mat4) -> Result<()> {
+        self.objects.set(index, world_from_object)?;
+        if let Some(casters) = &mut self.volume_casters {
+            casters.set(index, world_from_object);
+        }
+        Ok(())
+    }
+
+    /// What casts shadows by volumes.
+    pub(super) fn volume_casters(&self) -> Option<&VolumeCasters> {
+        self.volume_casters.as_ref()
+    }
+
+    /// Lights with shadow volumes that the frame written last sees.
+    pub(super) fn volume_lights(&self) -> &[VolumeLight] {
+        self.lights.volumes()
     }
 
     /// The lights, to change them.
@@ -149,6 +185,7 @@ impl SceneData {
     pub(super) fn allocated_bytes(&self) -> u64 {
         self.frames.iter().map(FrameData::allocated_bytes).sum::<u64>()
             + self.materials.as_ref().map_or(0, Materials::allocated_bytes)
+            + self.volume_casters.as_ref().map_or(0, VolumeCasters::allocated_bytes)
             + self.geometry.allocated_bytes()
             + self.textures.allocated_bytes()
             + self.globe_maps.as_ref().map_or(0, GlobeMaps::allocated_bytes)
@@ -165,8 +202,11 @@ impl SceneData {
         cull: bool,
         scattered: [f32; 2],
     ) -> Written {
-        let Self { objects, lights, light_lists, ambient_nt, .. } = self;
-        let scene = Everything { objects, lights, light_lists, ambient_nt: *ambient_nt };
+        if let Some(casters) = &mut self.volume_casters {
+            casters.write(slot);
+        }
+        let Self { objects, lights, light_lists, decals, ambient_nt, .. } = self;
+        let scene = Everything { objects, lights, light_lists, decals, ambient_nt: *ambient_nt };
         self.frames[slot].write(view, plan, size, scene, cull, scattered)
     }
 
@@ -259,7 +299,14 @@ impl SceneData {
                     b if b == const { shared("BINDING_INSTANCES") } => frame.instances.as_ref(),
                     b if b == const { shared("BINDING_LIGHTMAPS") } => frame.lightmap_rects.as_ref(),
                     b if b == const { shared("BINDING_LIGHTS") } => frame.lights.as_ref(),
+                    b if b == const { shared("BINDING_DECALS") } => frame.decals.as_ref(),
                     b if b == const { shared("BINDING_SHADOW_VIEWS") } => shadows.map(|s| s.views(slot)),
+                    b if b == const { shared("BINDING_CASTERS") } => {
+                        self.volume_casters.as_ref().map(VolumeCasters::meshes)
+                    }
+                    b if b == const { shared("BINDING_CASTER_INSTANCES") } => {
+                        self.volume_casters.as_ref().map(|casters| casters.instances(slot))
+                    }
                     _ => frame.light_lists.as_ref(),
                 };
                 // What a pipeline reads exists.
@@ -288,11 +335,20 @@ impl SceneData {
             }
             batch.material_set = keys.len() - 1;
         }
+        for key in self.decals.materials() {
+            if !keys.contains(&key) {
+                keys.push(key);
+            }
+        }
+        let set_of = |key| keys.iter().position(|known| *known == key).expect("all were put there");
+        self.decals.set_material_sets(set_of);
         let wanted: Vec<_> = keys
             .iter()
             .map(|(pipeline, _)| {
+                // Decals have input attachments before their material.
                 let layout = pipelines.layout_of(*pipeline);
-                (layout.sets[1].raw(), layout.bindings[1].as_slice())
+                let last = layout.sets.len() - 1;
+                (layout.sets[last].raw(), layout.bindings[last].as_slice())
             })
             .collect();
         let Some(sets) = DescriptorSets::new(device, &wanted, "materials")? else { return Ok(()) };
@@ -305,7 +361,7 @@ impl SceneData {
                 vk::DescriptorType::UNIFORM_BUFFER,
                 &numbers,
             );
-            let images: Vec<_> = material_textures(scene, surface(plan, pipeline), material)
+            let images: Vec<_> = material_textures(scene, &material_kind(plan, pipeline), material)
                 .map(|key| self.image(key))
                 .collect();
             if !images.is_empty() {
@@ -372,14 +428,24 @@ fn material_textures<'a>(
 }
 
 /// Every texture that some pipeline samples, once.
-fn texture_keys(scene: &Scene, plan: &Plan, batches: &[Batch]) -> Vec<TextureKey> {
-    let used: BTreeSet<(usize, usize)> = batches.iter().map(|b| (b.pipeline, b.material)).collect();
-    let keys = used.into_iter().flat_map(|(p, m)| material_textures(scene, surface(plan, p), m));
+fn texture_keys(scene: &Scene, plan: &Plan, batches: &[Batch], decals: &Decals) -> Vec<TextureKey> {
+    let of_objects = batches.iter().map(|b| (b.pipeline, b.material));
+    let used: BTreeSet<(usize, usize)> = of_objects.chain(decals.materials()).collect();
     let mut seen = Vec::new();
-    for key in keys {
-        if !seen.contains(&key) {
-            seen.push(key);
+    for (pipeline, material) in used {
+        for key in material_textures(scene, &material_kind(plan, pipeline), material) {
+            if !seen.contains(&key) {
+                seen.push(key);
+            }
         }
     }
     seen
+}
+
+/// How a pipeline that has a material uses it.
+fn material_kind(plan: &Plan, pipeline: usize) -> SurfaceKind {
+    match &plan.pipelines[pipeline].1 {
+        Pipeline::Decal(kind) => kind.surface(),
+        _ => *surface(plan, pipeline),
+    }
 }

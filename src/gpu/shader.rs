@@ -7,6 +7,7 @@ mod collected;
 mod declared;
 mod numbers;
 mod places;
+mod post_constants;
 mod prune;
 mod specialization;
 
@@ -15,8 +16,8 @@ pub use numbers::{shared, shared_names};
 pub use places::AttachmentPlaces;
 pub use prune::{Pruned, prune};
 pub use specialization::{
-    GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants, OutputConstants,
-    SampleConstants, SkyConstants, Specialization, TextureSlot,
+    DecalConstants, GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants,
+    OutputConstants, SampleConstants, SkyConstants, Specialization, TextureSlot,
 };
 
 use std::collections::BTreeSet;
@@ -73,6 +74,12 @@ pub enum Module {
     ShadowVertex,
     /// Copies a tile of one shadow map to another.
     ShadowCompose,
+    /// The box of a decal.
+    DecalVertex,
+    /// Paints a decal over the G-buffer.
+    Decal,
+    /// [`Self::Decal`] of several samples a pixel.
+    DecalSamples,
     /// Lays fog over surfaces of the G-buffer.
     Fog,
     /// Keeps blended surfaces that are before the last layer.
@@ -83,11 +90,15 @@ pub enum Module {
     FogSamples,
     /// Spreads light.
     Bloom,
+    /// Smooths edges.
+    EdgeFilter,
+    /// The space behind what faces a light.
+    ShadowVolumeVertex,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 27] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -103,6 +114,8 @@ impl Module {
         Self::Tonemap,
         Self::ShadowCompose,
         Self::Bloom,
+        Self::EdgeFilter,
+        Self::ShadowVolumeVertex,
         Self::LightingSamples,
         Self::TonemapSamples,
         Self::Edges,
@@ -110,6 +123,9 @@ impl Module {
         Self::Peel,
         Self::Composite,
         Self::FogSamples,
+        Self::DecalVertex,
+        Self::Decal,
+        Self::DecalSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -130,10 +146,14 @@ impl Module {
             Self::LightVolume => "light_volume.vert",
             Self::ShadowVertex => "shadow.vert",
             Self::ShadowCompose => "shadow_compose.frag",
+            Self::DecalVertex => "decal.vert",
+            Self::Decal | Self::DecalSamples => "decal.frag",
             Self::Fog | Self::FogSamples => "fog.frag",
             Self::Peel => "peel.frag",
             Self::Composite => "composite.frag",
             Self::Bloom => "bloom.frag",
+            Self::EdgeFilter => "edge_filter.frag",
+            Self::ShadowVolumeVertex => "shadow_volume.vert",
         }
     }
 
@@ -142,6 +162,7 @@ impl Module {
         match self {
             Self::LightingSamples => "lighting_samples.frag",
             Self::TonemapSamples => "tonemap_samples.frag",
+            Self::DecalSamples => "decal_samples.frag",
             Self::FogSamples => "fog_samples.frag",
             _ => self.source(),
         }
@@ -150,9 +171,11 @@ impl Module {
     /// What is defined when it is compiled.
     pub fn defines(self) -> &'static [&'static str] {
         match self {
-            Self::Edges | Self::LightingSamples | Self::TonemapSamples | Self::FogSamples => {
-                &["MULTISAMPLED"]
-            }
+            Self::Edges
+            | Self::LightingSamples
+            | Self::TonemapSamples
+            | Self::FogSamples
+            | Self::DecalSamples => &["MULTISAMPLED"],
             _ => &[],
         }
     }
@@ -162,6 +185,7 @@ impl Module {
         match self {
             Self::Lighting => Self::LightingSamples,
             Self::Tonemap => Self::TonemapSamples,
+            Self::Decal => Self::DecalSamples,
             Self::Fog => Self::FogSamples,
             other => other,
         }
@@ -217,6 +241,11 @@ impl Shaders {
         let vertex = left(vertex, Some(&read.unwrap_or_default()))?;
         Ok(Self { vertex: vertex.spirv, fragment, attributes: vertex.inputs })
     }
+}
+
+/// The number that modules know a colour output by: `TARGET_*` of `glsl/shared.h`.
+pub(in crate::gpu) fn target_number(name: &str) -> Option<u32> {
+    numbers::find(&format!("TARGET_{}", name.to_uppercase()))
 }
 
 /// The names of the modules that this build embeds.

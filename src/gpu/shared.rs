@@ -175,10 +175,52 @@ pub struct ClusterGrid {
     pub slice_bias: f32,
 }
 
+/// What a draw of shadow volumes is of: `VolumePush` in `glsl/shadow_volume.vert`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct VolumePush {
+    /// A light's place and 1, or the way towards a directional light and 0; world space.
+    pub light: [f32; 4],
+    /// Where the mesh's places are among the casters.
+    pub first_place: u32,
+    /// Likewise its triangles.
+    pub first_triangle: u32,
+    /// Likewise its edges.
+    pub first_edge: u32,
+    /// Six an edge; those of triangles follow.
+    pub edge_vertices: u32,
+    /// 1: triangles are clockwise from the front.
+    pub turned: u32,
+    /// To a multiple of 16 bytes.
+    pub unused: [u32; 3],
+}
+
 /// Which light a draw adds: `LightPush` in `glsl/light.frag`, std430.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct LightPush {
     /// Its number among the frame's lights.
     pub light: u32,
+}
+
+/// A decal: `Decal` in `glsl/decal.glsl`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct DecalData {
+    /// The first three rows of what turns the cube from -0.5 to 0.5 into the box.
+    pub world_from_decal_rows: [[f32; 4]; 3],
+    /// The first three rows of the inverse.
+    pub decal_from_world_rows: [[f32; 4]; 3],
+    /// Of base colour, normal, roughness and metallicness, 0 to 1.
+    pub opacity: [f32; 4],
+    /// 1 / the falloff inside the faces as a share of the box's size.
+    pub inverse_falloff: [f32; 3],
+    /// Of the box's axes: 1, or -1 where it is mirrored.
+    pub handedness: f32,
+    /// See [`crate::scene::Decal::angle_line`].
+    pub facing: [f32; 2],
+    /// Not 0: the box's far side is not whole, so that a triangle over the image is drawn.
+    pub whole_image: u32,
+    /// Unused.
+    pub padding: u32,
 }

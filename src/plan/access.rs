@@ -43,9 +43,12 @@ impl Access {
             Use::Depth | Use::Stencil => [Self::DepthRead, Self::DepthWrite].into(),
             Use::DepthTest => [Self::DepthRead].into(),
             Use::Read => [Self::InputRead].into(),
-            Use::Modify => [Self::InputRead, Self::ColorWrite].into(),
+            Use::Modify | Use::Rewrite => [Self::InputRead, Self::ColorWrite].into(),
         }
     }
+
+    /// What a barrier within a stage orders: what a draw has written is read by one over it.
+    pub const BETWEEN_DRAWS: [Self; 2] = [Self::ColorWrite, Self::InputRead];
 
     /// The access that a store operation makes, a discarding one included.
     pub const fn store(depth: bool) -> Self {
@@ -105,7 +108,9 @@ impl State {
     pub fn of(uses: &[Use], depth: bool) -> Self {
         let read = uses.contains(&Use::Read);
         match (depth, read) {
-            (false, _) if uses.contains(&Use::Modify) => Self::InputColor,
+            (false, _) if uses.iter().any(|how| matches!(how, Use::Modify | Use::Rewrite)) => {
+                Self::InputColor
+            }
             (true, true) if uses.contains(&Use::Stencil) => Self::DepthInputStencil,
             (true, true) => Self::DepthInput,
             (true, false) => Self::Depth,

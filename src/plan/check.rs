@@ -2,7 +2,7 @@
 
 use super::layout::{GBuffer, LightPlace};
 use super::shadow::{LEAST_TEXELS, MOST_TEXELS};
-use super::{Attachment, LightWay, Limits, Needs, Options, Pass, Strategy, Translucency};
+use super::{Attachment, Limits, Needs, Options, Pass, Strategy, Translucency};
 
 /// # Errors
 /// [`crate::Error::Unsupported`] if no image can have this size in pixels.
@@ -156,25 +156,31 @@ pub(super) fn check_light(
     gbuffer: &GBuffer,
     needs: &Needs,
     options: &Options,
-    way: LightWay,
+    one_by_one: bool,
     limits: &Limits,
 ) -> crate::Result<()> {
     let layout = gbuffer.layout;
     let refused = |problem: String, remedy: &str| Err(crate::Error::unsupported(problem, remedy.to_owned()));
     let LightPlace::Added { .. } = gbuffer.light else {
         match gbuffer.light {
-            LightPlace::Read(_) if way.is_one_by_one() && !limits.ordered_attachment_access => {
+            LightPlace::Read(_) if one_by_one && !limits.ordered_attachment_access => {
                 let problem = format!(
-                    "layout {layout} holds light in words, to which '{way}' adds in the shader; the device has no \
+                    "layout {layout} holds light in words, to which lights that come one by one are added in the shader; the device has no \
                      rasterization-order attachment access (VK_EXT_rasterization_order_attachment_access) for that"
                 );
-                return refused(problem, "use --lights clusters or fullscreen, or --layout ontile128");
+                return refused(
+                    problem,
+                    "use --lights clusters or fullscreen and shadow maps, or --layout ontile128",
+                );
             }
-            LightPlace::Read(_) if way.is_one_by_one() => return Ok(()),
-            _ if way.is_one_by_one() => {
+            LightPlace::Read(_) if one_by_one => return Ok(()),
+            _ if one_by_one => {
                 let problem =
-                    format!("layout {layout} has no light target to which '{way}' could add light by light");
-                return refused(problem, "use --lights clusters or fullscreen, or --layout ontile128");
+                    format!("layout {layout} has no light target to which lights could be added one by one");
+                return refused(
+                    problem,
+                    "use --lights clusters or fullscreen and shadow maps, or --layout ontile128",
+                );
             }
             _ => {}
         }
@@ -191,7 +197,7 @@ pub(super) fn check_light(
             _ => Ok(()),
         };
     };
-    let has_alpha = gbuffer.added_light(way.is_one_by_one()).is_none_or(|(light, _)| light.has_alpha());
+    let has_alpha = gbuffer.added_light(one_by_one).is_none_or(|(light, _)| light.has_alpha());
     if !has_alpha && !gbuffer.form.has_depth() && (needs.fog.is_some() || needs.background.is_some()) {
         let problem = format!(
             "layout {layout} with light in b10g11r11 cannot tell surfaces from the background, which fog and background colour need"

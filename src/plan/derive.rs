@@ -47,6 +47,11 @@ fn can_share(frame: &Frame, options: &Options, all: &mut [usize]) -> bool {
         && all.windows(2).all(|w| frame.lifetime(w[0]).1 < frame.lifetime(w[1]).0)
 }
 
+/// Uses as a colour output.
+const OUTPUTS: &[Use] = &[Use::Write, Use::Blend, Use::Modify, Use::Rewrite];
+/// Uses as an input attachment.
+const INPUTS: &[Use] = &[Use::Read, Use::Modify, Use::Rewrite];
+
 /// How one pass touches one attachment, in order of stages.
 struct Touch {
     subpass: usize,
@@ -245,9 +250,6 @@ fn stencil(frame: &Frame, resource: usize, stages: &[usize]) -> (Load, Store) {
     (load, if used_later { Store::Store } else { Store::DontCare })
 }
 
-/// Uses as a colour output.
-const COLORS: [Use; 3] = [Use::Write, Use::Blend, Use::Modify];
-
 fn subpass(
     frame: &Frame,
     stage: usize,
@@ -289,22 +291,23 @@ fn subpass(
         resources.filter(|r| r.format.is_depth() == depth).map(|r| r.format.bits() * r.samples).sum()
     };
     let resolve = stage.uses.iter().position(|(_, how)| *how == Use::Resolve).map(|at| {
-        let before = stage.uses[..at].iter().filter(|(_, how)| COLORS.contains(how));
+        let before = stage.uses[..at].iter().filter(|(_, how)| OUTPUTS.contains(how));
         let to = index_of(stage.uses[at].0);
         Resolve { from: before.count().saturating_sub(1), to, state: state(to) }
     });
     Subpass {
         name: stage.name,
         why: stage.why.clone(),
-        color_names: names(&COLORS),
-        colors: of(&COLORS),
+        color_names: names(OUTPUTS),
+        colors: of(OUTPUTS),
         blend: stage.uses.iter().any(|(_, how)| *how == Use::Blend),
         ordered: stage.uses.iter().any(|(_, how)| *how == Use::Modify),
-        color_states: of(&COLORS).iter().map(|&i| state(i)).collect(),
+        barriers: stage.uses.iter().any(|(_, how)| *how == Use::Rewrite),
+        color_states: of(OUTPUTS).iter().map(|&i| state(i)).collect(),
         resolve,
-        input_names: names(&[Use::Read, Use::Modify]),
-        input_states: of(&[Use::Read, Use::Modify]).iter().map(|&i| state(i)).collect(),
-        inputs: of(&[Use::Read, Use::Modify]),
+        input_names: names(INPUTS),
+        input_states: of(INPUTS).iter().map(|&i| state(i)).collect(),
+        inputs: of(INPUTS),
         depth_state: depth.map(state),
         depth,
         tests_peeled: names(&[Use::DepthTest]).iter().any(|name| name.starts_with("peel")),
@@ -341,6 +344,14 @@ impl Dependencies {
     /// that discards, counts as a write by the last subpass that touches the attachment, so that write is ordered too.
     fn order_within(&mut self, frame: &Frame, touches: &[Touch], depth: bool) {
         for (index, b) in touches.iter().enumerate() {
+            if b.uses.contains(&Use::Rewrite) {
+                let why = format!(
+                    "{} is written by one draw, then read by another over it",
+                    frame.resources[b.resource].name
+                );
+                let [before, after] = Access::BETWEEN_DRAWS.map(|access| [access].into());
+                self.add(Some(b.subpass), Some(b.subpass), (before, after), why);
+            }
             let is_last = index + 1 == touches.len();
             let written = touches[..index].iter().rposition(Touch::writes);
             let reads = &touches[written.map_or(0, |w| w + 1)..index];
@@ -355,6 +366,9 @@ impl Dependencies {
                 let names = [a.resource, b.resource].map(|r| frame.resources[r].name);
                 let why = match (a.writes(), b.writes()) {
                     (true, false) => format!("{} is written, then read", names[0]),
+                    (true, true) if b.uses.iter().any(|how| INPUTS.contains(how)) => {
+                        format!("{} is written, then read and rewritten", names[0])
+                    }
                     (true, true) => format!("{} is written, then added to", names[0]),
                     (false, true) => format!("{} is read, then overwritten by {}", names[0], names[1]),
                     (false, false) => format!("{} is read twice, then dropped or stored", names[0]),
@@ -398,9 +412,9 @@ pub fn attachments(
             is_output,
             transient: !is_output && in_passes().all(|a| a.load != Load::Load && a.store != Store::Store),
             usage: Usage {
-                color: has(&[Use::Write, Use::Blend, Use::Modify, Use::Resolve]),
+                color: has(OUTPUTS) || has(&[Use::Resolve]),
                 depth: has(&[Use::Depth, Use::DepthTest, Use::Stencil]),
-                input: has(&[Use::Read, Use::Modify]),
+                input: has(INPUTS),
                 sampled: resources.clone().any(|r| r.sampled),
                 copy_source: if is_output { options.output_use == super::OutputUse::Copy } else { kept },
                 blend: has(&[Use::Blend]),

@@ -80,6 +80,15 @@ impl Format {
         self.bits() / 8
     }
 
+    /// What lies between two neighbouring values of fixed-point depth; 0 for floats.
+    pub const fn depth_step(self) -> f32 {
+        match self {
+            Self::D16Unorm => 1.0 / 65535.0,
+            Self::D24Unorm | Self::D24UnormS8 => 1.0 / 16_777_215.0,
+            _ => 0.0,
+        }
+    }
+
     /// Whether this is a depth format.
     pub const fn is_depth(self) -> bool {
         matches!(self, Self::D32Float | Self::D24Unorm | Self::D16Unorm) || self.has_stencil()

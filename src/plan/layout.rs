@@ -307,6 +307,11 @@ impl GBuffer {
         Ok(gbuffer)
     }
 
+    /// Whether base colour and metallicness are stored as products: diffuse albedo and reflectance.
+    pub fn has_products(&self) -> bool {
+        matches!(self.form, Form::Specular | Form::Rasa128 | Form::Specular256)
+    }
+
     /// The `exact` layout.
     pub fn exact() -> Self {
         let options = Options { layout: Layout::Exact, ..Options::default() };

@@ -382,8 +382,18 @@ impl Plan {
             }
             P::Sky if self.has_gbuffer() => "sky".into(),
             P::Sky => format!("sky, {} curve", self.options.tonemap),
+            P::Decal(kind) => {
+                let need = self.needs.decals.iter().find(|n| n.kind == *kind);
+                let why = need.map(|n| match n.decals {
+                    1 => format!(" ({})", n.why),
+                    decals => format!(" ({decals} decals, first {})", n.why),
+                });
+                format!("decal: {kind}{}", why.unwrap_or_default())
+            }
             P::LightMask(shape) => format!("light mask, {shape}"),
             P::LightVolume(shape) => format!("light, {shape}"),
+            P::ShadowVolume => "shadow volumes".into(),
+            P::ShadowedLight => "light, where its shadow volumes are not".into(),
             P::Edges => format!("edges, by {}", self.edges),
             P::EdgeLighting | P::EdgeVolume(_) => {
                 format!("{}, by sample", self.pipeline_text(&pipeline.per_pixel()))

@@ -14,6 +14,7 @@ mod budget;
 mod check;
 mod choice;
 mod counts;
+mod decals;
 mod derive;
 mod edges;
 mod format;
@@ -34,6 +35,7 @@ mod rendering;
 mod samples;
 mod shadow;
 mod shadow_report;
+mod shadow_volumes;
 mod stage;
 mod strategy;
 mod targets;
@@ -49,6 +51,7 @@ pub use bins::{Adreno, Bins, Occupancy};
 pub use budget::{Verdict, verdicts};
 pub use choice::Choice;
 pub use counts::{FrameCounts, Seen, StateChanges};
+pub use decals::{Channels, DecalKind, DecalNeed};
 pub use format::Format;
 pub use layout::{Form, GBuffer, LightPlace, LightTarget, LightWord, Target, Tells};
 pub use ledger::{
@@ -59,7 +62,7 @@ pub use lightmap::{LightmapNeed, LightmapUse, SceneKinds};
 pub use lights::{ClusterBudget, VolumeShape};
 pub(crate) use names::named_enum;
 pub use names::{
-    BloomWay, Brdf, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
+    BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
     OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap, Translucency,
 };
 pub(crate) use needs::element;
@@ -75,6 +78,7 @@ pub use shadow::{
 };
 pub(crate) use shadow_report::planned_bytes;
 pub use shadow_report::{ShadowFigures, ShadowLightReport, ShadowMapReport};
+pub use shadow_volumes::COUNT_BITS;
 pub use strategy::Merging;
 
 use serde::Serialize;
@@ -98,6 +102,8 @@ pub struct Limits {
     /// (VK_EXT_rasterization_order_attachment_access). Mesa's Turnip keeps such passes on the tile; on Adreno 6xx it draws that
     /// subpass in its single-primitive mode, which waits where primitives overlap.
     pub ordered_attachment_access: bool,
+    /// Whether fragments beyond the far plane are kept (`depthClamp`): shadow volumes end nowhere.
+    pub depth_clamp: bool,
     /// What the driver makes of each [`Strategy`].
     pub merging: Merging,
     /// Samples a pixel that attachments may have: the sum of the counts.
@@ -120,6 +126,7 @@ impl Default for Limits {
             depth_stencil: Format::D32FloatS8,
             gbuffer_on_chip: true,
             ordered_attachment_access: false,
+            depth_clamp: false,
             merging: Merging::default(),
             sample_counts: 1 | 4,
             word_sample_counts: 1 | 4,
@@ -159,10 +166,14 @@ pub struct Plan {
     pub clusters: Option<ClusterBudget>,
     /// The shadow map, where lights cast shadows; it is drawn before the first pass.
     pub shadow_map: Option<ShadowMap>,
+    /// Lights whose shadows are counted in the stencil, each added by itself: indices into `Scene::lights`.
+    pub volume_lights: Vec<usize>,
     /// Passes after the last one, where pixels' neighbours are needed.
     pub post: Post,
     /// Decisions that a reader may wonder about.
     pub notes: Vec<String>,
+    /// How decals are ordered, never [`DecalWay::Auto`]; `None` without decals.
+    pub decal_way: Option<DecalWay>,
     /// What the options or the limits leave out of what the scene asks for; the program tells them.
     pub warnings: Vec<String>,
 }
@@ -175,6 +186,7 @@ impl Plan {
     /// each other.
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
         let (strategy, why) = strategy::resolve(&options, limits)?;
+        let (strategy, why) = decals::strategy(&needs, &options, (strategy, why))?;
         let is_best = options.strategy == Strategy::Auto && strategy != Strategy::Subpasses;
         match Self::by(strategy, why, needs.clone(), options.clone(), limits) {
             Err(error) if is_best => {
@@ -199,15 +211,23 @@ impl Plan {
         let (path, path_why) = path::resolve(&needs, &options, strategy, limits)?;
         post::check(&options, &needs, path)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
+        let volumes = shadow_volumes::resolve(&needs, &options, path, limits)?;
+        let by_volume = !volumes.lights.is_empty();
         let gbuffer = GBuffer::new(&options)?;
         let gbuffer = if needs.blended.is_some() { gbuffer.for_blending() } else { gbuffer };
         check_blended(&gbuffer, &needs, &options, strategy, limits)?;
         if path == Path::Deferred && needs.lit_opaque.is_some() {
-            check_light(&gbuffer, &needs, &options, light_way, limits)?;
+            let one_by_one = light_way.is_one_by_one() || by_volume;
+            check_light(&gbuffer, &needs, &options, one_by_one, limits)?;
         }
         let (edges, edges_why) = edges::resolve(&needs, &options, &gbuffer, path, light_way);
+        // What is counted is counted for each sample.
+        let edges = if by_volume { Edges::All } else { edges };
+        let edges_why = edges_why.filter(|_| !by_volume);
+        let (decal_way, decals_why) = decals::resolve(&needs, &options, &gbuffer, limits)?.unzip();
+        let ways = (light_way, edges, by_volume);
         let frame =
-            stage::Frame::new(&needs, &options, &gbuffer, path, (light_way, edges), limits.depth_stencil);
+            stage::Frame::new(&needs, &options, &gbuffer, path, ways, limits.depth_stencil, decal_way);
         samples::check(&options, path, frame.folded)?;
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options, strategy);
@@ -215,9 +235,10 @@ impl Plan {
         check_counts(&passes, &attachments, strategy, &options, limits)?;
         samples::check_limits(&attachments, &passes, &options, limits)?;
         let post = Post::new(&options, &attachments);
-        let (shadow_map, shadows_told) = ShadowMap::new(&needs.shadows, &options, limits);
+        let (shadow_map, shadows_told) =
+            ShadowMap::new(&needs.shadows.without(&volumes.lights), &options, limits);
         let around = around::images(&needs, &options);
-        let pipelines = pipeline::of(&frame, &needs, light_way, edges);
+        let pipelines = pipeline::of(&frame, &needs, ways);
         let folded = frame.folded;
         let mut notes = options.gbuffer_why.clone();
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
@@ -226,7 +247,10 @@ impl Plan {
         notes.extend(edges_why);
         notes.extend(path_why);
         notes.extend(why);
+        notes.extend(decals_why.flatten());
+        notes.extend(decals::note(&needs));
         notes.extend(clusters.map(|c| c.to_string()));
+        notes.extend(volumes.notes);
         notes.extend(shadows_told.notes);
         let warnings =
             shadows_told.warnings.into_iter().chain(notes::warning(&needs, &options, path, light_way));
@@ -242,10 +266,12 @@ impl Plan {
             strategy,
             path,
             folded,
+            decal_way,
             light_way,
             edges,
             clusters,
             shadow_map,
+            volume_lights: volumes.lights,
             post,
             notes,
             warnings,
@@ -276,7 +302,9 @@ impl Plan {
 
     /// What light is summed in, if it is.
     pub fn light_target(&self) -> Option<LightTarget> {
-        let one_by_one = self.path == Path::ForwardMultipass || self.light_way.is_one_by_one();
+        let one_by_one = self.path == Path::ForwardMultipass
+            || self.light_way.is_one_by_one()
+            || !self.volume_lights.is_empty();
         self.has_light_target().then(|| stage::added_light(&self.gbuffer, one_by_one).0)
     }
 

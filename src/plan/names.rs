@@ -322,6 +322,21 @@ named_enum! {
 }
 
 named_enum! {
+    /// How decals that overlap are painted one after the other.
+    DecalWay {
+        /// Each fragment reads what those before it have left, in the order of rasterisation: wants
+        /// [`Limits::ordered_attachment_access`](super::Limits::ordered_attachment_access).
+        RasterOrder = "raster-order",
+        /// The same, with a barrier between decals that overlap on the image: on every device.
+        Barrier = "barrier",
+        /// Fixed-function blending: base colour alone, in layouts that store it so that it can be blended.
+        Fixed = "fixed",
+        /// Fixed where that can paint all decals, else in raster order where the device can, else barriers.
+        Auto = "auto",
+    }
+}
+
+named_enum! {
     /// Light that is scattered around bright places, of which neither way breaks the frame's pass.
     BloomWay {
         /// None.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::decals::{self, DecalNeed};
 use super::{Around, EnvironmentNeed, LightmapNeed, LightmapUse, SceneKinds, ShadowNeeds};
 use crate::scene::{AlphaMode, Background, Fog, Instance, Light, LightKind, Material, Scene, TextureRef};
 use crate::visible::Reach;
@@ -79,6 +80,11 @@ impl SurfaceKind {
             kind.transformed |= if texture.uv_from_texcoord == TextureRef::IDENTITY { 0 } else { bit };
         }
         kind
+    }
+
+    /// That of a decal as far as its material goes: these slots, on texture coordinates of its own.
+    pub(super) fn of_decal(textures: u8, transformed: u8) -> Self {
+        Self { textures, transformed, ..Self::default() }
     }
 
     /// What drawing its depth alone takes: which sides are drawn, and all of a kind that a mask cuts.
@@ -231,6 +237,8 @@ pub struct Needs {
     pub lightmap: Option<LightmapNeed>,
     /// Fog, if it changes anything.
     pub fog: Option<Fog>,
+    /// Kinds of decals, in pipeline order; empty where nothing that is not blended is lit.
+    pub decals: Vec<DecalNeed>,
 }
 
 impl Needs {
@@ -327,6 +335,7 @@ impl Needs {
                 Background::Black | Background::Environment => None,
             },
             fog: scene.fog.filter(|fog| fog.density_per_m > 0.0 && !kinds.is_empty()),
+            decals: if lit_opaque.is_some() { decals::of(scene) } else { Vec::new() },
             lit,
             lit_opaque,
             kinds,

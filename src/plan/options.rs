@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    BloomWay, Brdf, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
+    BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
     OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap, Translucency,
 };
 use crate::environment::TexelFormat;
@@ -105,6 +105,8 @@ pub struct Options {
     pub edges: Edges,
     /// How samples become one.
     pub resolve: ResolveWay,
+    /// How decals that overlap are painted.
+    pub decals: DecalWay,
     /// Light that lens and eye scatter around bright places.
     pub bloom: BloomWay,
     /// The share of light that is scattered, 0 to 1.
@@ -113,6 +115,9 @@ pub struct Options {
     pub bloom_radius: f32,
     /// Smooth edges, found by depth and normals of neighbours (Koonce 2007, listing 19-3), in a pass after the frame's own.
     pub edge_filter: bool,
+    /// Shadows by counting, in the stencil, the spaces behind what faces a light, in place of shadow maps: directional, point and spot
+    /// lights, each added by itself.
+    pub shadow_volumes: bool,
 }
 
 impl Default for Options {
@@ -147,10 +152,12 @@ impl Default for Options {
             samples: 1,
             edges: Edges::Auto,
             resolve: ResolveWay::Tonemapped,
+            decals: DecalWay::Auto,
             bloom: BloomWay::Off,
             bloom_strength: 0.05,
             bloom_radius: 0.1,
             edge_filter: false,
+            shadow_volumes: false,
         }
     }
 }

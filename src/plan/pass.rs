@@ -143,6 +143,8 @@ pub struct Subpass {
     pub blend: bool,
     /// Whether colour outputs are input attachments too, which each fragment finds as the one before it has left them.
     pub ordered: bool,
+    /// The same, but a barrier is recorded between draws of which one finds what the other has left.
+    pub barriers: bool,
     /// The state that each colour output is in.
     pub color_states: Vec<State>,
     /// What becomes of a colour output's samples when the subpass ends.

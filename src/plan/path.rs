@@ -27,6 +27,9 @@ pub(super) fn resolve(
     let only_blended = needs.lit.is_some() && needs.lit_opaque.is_none();
     let wants_gbuffer = options.keep_gbuffer || options.edge_filter || options.bloom != BloomWay::Off;
     let (path, why) = match options.path {
+        Path::Auto if !needs.decals.is_empty() => {
+            (Path::Deferred, Some("path: deferred, since decals are painted over its G-buffer".into()))
+        }
         _ if only_blended => (Path::Forward, Some("path: forward, since all that is lit is blended".into())),
         Path::Auto if options.keep_gbuffer => {
             (Path::Deferred, Some("path: deferred, since its G-buffer is to be kept".into()))
@@ -49,7 +52,11 @@ pub(super) fn resolve(
             (Path::Forward, Some("path: forward, not forward-multipass: there are no lights to add".into()))
         }
         Path::Deferred
-            if needs.lit.is_some() && !wants_gbuffer && no_lights && needs.hemisphere_lights == 0 =>
+            if needs.lit.is_some()
+                && !wants_gbuffer
+                && needs.decals.is_empty()
+                && no_lights
+                && needs.hemisphere_lights == 0 =>
         {
             (
                 Path::Forward,
@@ -58,6 +65,12 @@ pub(super) fn resolve(
         }
         asked => (asked, None),
     };
+    if let Some(decal) = needs.decals.first().filter(|_| path != Path::Deferred) {
+        return Err(Error::unsupported(
+            format!("{} is painted over a G-buffer, which the path {path} has not", decal.why),
+            "use --path deferred or auto, or take the decals out of the scene",
+        ));
+    }
     if path != Path::Deferred && options.keep_gbuffer && !only_blended {
         return Err(Error::unsupported(
             format!("the path {path} has no G-buffer that could be kept"),

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::stage::{FOG, Frame, LAYERS, PEEL, TRANSLUCENCY, Use};
-use super::{Edges, LightWay, Needs, SurfaceKind, VolumeShape, lights};
+use super::{DecalKind, Edges, LightWay, Needs, SurfaceKind, VolumeShape, lights};
 
 /// A graphics pipeline that a frame needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -26,8 +26,14 @@ pub enum Pipeline {
     LightMask(VolumeShape),
     /// Adds lights of one shape, each on what its volume holds.
     LightVolume(VolumeShape),
+    /// Counts the spaces behind what faces a light around each surface; for lights with shadow volumes, each before it is added.
+    ShadowVolume,
+    /// Adds a light where none was counted, and clears the counts.
+    ShadowedLight,
     /// Applies the tone curve.
     Tonemap,
+    /// Paints decals of one kind over the G-buffer.
+    Decal(DecalKind),
     /// Marks in the stencil the pixels that are lit sample by sample.
     Edges,
     /// [`Self::Lighting`] of the samples of marked pixels; that is then for the others.
@@ -56,7 +62,10 @@ impl Pipeline {
 
     /// Whether it reads what its stage reads of attachments, and nothing of materials.
     pub fn reads_attachments(&self) -> bool {
-        let whole = matches!(self, Self::Lighting | Self::Tonemap | Self::Fog | Self::Composite);
+        let whole = matches!(
+            self,
+            Self::Lighting | Self::ShadowedLight | Self::Tonemap | Self::Fog | Self::Composite
+        );
         let edges = matches!(self, Self::Edges | Self::EdgeLighting | Self::EdgeVolume(_));
         whole || edges || matches!(self, Self::LightVolume(_) | Self::Peel { .. })
     }
@@ -87,7 +96,11 @@ impl Pipeline {
 }
 
 /// Those that draw a frame, with the stage they belong to, in order of drawing.
-pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay, edges: Edges) -> Vec<(usize, Pipeline)> {
+pub(super) fn of(
+    frame: &Frame,
+    needs: &Needs,
+    (way, edges, by_volume): (LightWay, Edges, bool),
+) -> Vec<(usize, Pipeline)> {
     let stage = |name| frame.stages.iter().position(|s| s.name == name);
     let opaque = || needs.kinds.iter().filter(|n| !n.kind.blend);
     let depths: BTreeSet<_> = opaque().map(|n| n.kind.depth()).collect();
@@ -101,8 +114,14 @@ pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay, edges: Edges) -> V
     });
     let lighting =
         stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way, edges).map(move |p| (s, p)));
+    let volumes = stage("lighting").filter(|_| by_volume);
+    let volumes =
+        volumes.into_iter().flat_map(|s| [(s, Pipeline::ShadowVolume), (s, Pipeline::ShadowedLight)]);
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
     let sky = needs.sky.then_some((surface, Pipeline::Sky));
+    let decals = stage("decals")
+        .into_iter()
+        .flat_map(|s| needs.decals.iter().map(move |n| (s, Pipeline::Decal(n.kind))));
     let blended = || needs.kinds.iter().filter(|n| n.kind.blend);
     let silhouettes: BTreeSet<_> = blended().map(|n| n.kind.depth()).collect();
     let collected = stage(LAYERS).is_some();
@@ -123,6 +142,6 @@ pub(super) fn of(frame: &Frame, needs: &Needs, way: LightWay, edges: Edges) -> V
             _ => {}
         }
     }
-    let shaded = depths.chain(surfaces).chain(sky).chain(lights).chain(lighting);
+    let shaded = depths.chain(surfaces).chain(sky).chain(decals).chain(lights).chain(lighting).chain(volumes);
     shaded.chain(translucency).chain(tonemap).collect()
 }

@@ -213,8 +213,11 @@ pub(super) fn check(options: &Options, needs: &Needs, path: Path) -> Result<()> 
             "use --bloom previous, or --samples 1",
         ));
     }
-    if options.edge_filter {
-        return Err(Error::unsupported("the edge filter does not exist yet", "leave --edge-filter out"));
+    if options.edge_filter && options.samples > 1 {
+        return Err(Error::unsupported(
+            "the edge filter compares one depth and normal a pixel, and the frame has more samples, which smooth edges already",
+            "leave --edge-filter out, or use --samples 1",
+        ));
     }
     if options.edge_filter && (needs.lit.is_none() || path != Path::Deferred) {
         return Err(Error::unsupported(

@@ -155,10 +155,12 @@ impl Plan {
             if !s.inputs.is_empty() {
                 writeln!(f, "      reads   {}", list(&s.inputs))?;
             }
-            let blend = match (s.blend, s.ordered) {
-                (true, _) if [stage::TRANSLUCENCY, stage::FOG].contains(&s.name) => " (blended)",
-                (true, _) => " (added)",
-                (_, true) => " (each fragment over what it has read, in order)",
+            let blend = match (s.blend, s.ordered, s.barriers) {
+                (true, ..) if s.name == "decals" => " (mixed)",
+                (true, ..) if [stage::TRANSLUCENCY, stage::FOG].contains(&s.name) => " (blended)",
+                (true, ..) => " (added)",
+                (_, true, _) => " (each fragment over what it has read, in order)",
+                (_, _, true) => " (over what is read, with barriers between draws that overlap)",
                 _ => "",
             };
             if !s.colors.is_empty() {

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::{Format, Limits, Options, ShadowFormat, SurfaceKind};
-use crate::scene::{AlphaMode, Material, Scene, Shadow};
-use crate::visible::{MOST_CASCADES, ShadowShape, TileSize};
+use super::{Format, Limits, Options, SceneKinds, ShadowFormat, SurfaceKind};
+use crate::scene::{AlphaMode, Instance, Light, LightKind, Material, Scene, Shadow};
+use crate::visible::{MOST_CASCADES, Reach, ShadowShape, TileSize};
 
 /// A light that casts shadows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -21,6 +21,8 @@ pub struct ShadowNeed {
     pub guard_texels: u32,
     /// The light may move: nothing is kept for it.
     pub dynamic: bool,
+    /// Why its shadow cannot be a volume; `None` if it can.
+    pub no_volume: Option<&'static str>,
 }
 
 /// A kind of surface as the shadow map sees it; one pipeline each.
@@ -130,6 +132,7 @@ impl ShadowNeeds {
                 shape,
                 guard_texels: scene.lights[light].shadow.map_or(0, guard_texels),
                 dynamic: scene.lights[light].dynamic,
+                no_volume: no_volume(scene, &scene.lights[light]),
             })
             .collect();
         match lights.is_empty() {
@@ -139,6 +142,36 @@ impl ShadowNeeds {
                 Self { lights, casters: casters.into_iter().collect(), mixed: any(true) && any(false) }
             }
         }
+    }
+}
+
+/// Why a light's shadow cannot be a volume.
+fn no_volume(scene: &Scene, light: &Light) -> Option<&'static str> {
+    if matches!(light.kind, LightKind::Box { .. }) {
+        return Some("its light begins at a face of its box, and what is outside casts no shadow");
+    }
+    if light.has_back() {
+        return Some("its light from behind has no shadow");
+    }
+    let reach = Reach::of(light);
+    let kinds = SceneKinds::new(scene);
+    let is_masked = |instance: &&Instance| {
+        let material = &scene.materials[scene.meshes[instance.mesh].material];
+        CasterKind::new(&SurfaceKind::new(&kinds, instance), material).is_some_and(|kind| kind.mask.is_some())
+    };
+    let is_reached = |instance: &Instance| {
+        let bounds = scene.meshes[instance.mesh].bounds();
+        bounds.is_some_and(|b| !reach.misses_aabb(&b.transformed(&instance.world_from_object)))
+    };
+    let masked = scene.drawn_instances().filter(is_masked).any(is_reached);
+    masked.then_some("an alpha mask cuts something in its reach, and volumes have no holes")
+}
+
+impl ShadowNeeds {
+    /// What is left for the map when these lights have volumes.
+    pub(super) fn without(&self, volumes: &[usize]) -> Self {
+        let lights: Vec<_> = self.lights.iter().filter(|l| !volumes.contains(&l.light)).cloned().collect();
+        if lights.is_empty() { Self::default() } else { Self { lights, ..self.clone() } }
     }
 }
 

@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::around::{Around, Method};
+use super::decals::Painter;
 use super::fog::fogged;
 use super::gbuffer::{Attributes, attributes, interpolate};
 use super::layers::{Blended, Layer, over};
@@ -159,6 +160,7 @@ pub struct Tracer<'a> {
     visibility: Visibility<'a>,
     blended: Option<Blended<'a>>,
     around: Around<'a>,
+    decals: Painter<'a>,
 }
 
 impl<'a> Tracer<'a> {
@@ -170,7 +172,13 @@ impl<'a> Tracer<'a> {
     pub fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let around = Around::new(scene, settings.around).with_lightmap(scene, settings.lightmap);
         let around = around.with_brdf(settings.brdf);
-        Self { scene, visibility: Visibility::new(scene), blended: Blended::new(scene), around }
+        Self {
+            scene,
+            visibility: Visibility::new(scene),
+            blended: Blended::new(scene),
+            around,
+            decals: Painter::new(scene),
+        }
     }
 
     /// As [`render`].
@@ -179,7 +187,7 @@ impl<'a> Tracer<'a> {
     /// If an index within the scene is out of range.
     pub fn render(&self, camera: &Camera, settings: &Settings) -> Frame {
         let view = settings.view(camera);
-        let Tracer { scene, visibility, blended, around } = self;
+        let Tracer { scene, visibility, blended, around, decals } = self;
         let occlusion = Occlusion::new(scene, visibility);
         let occlusion = settings.shadows.then_some(&occlusion);
         let [width, height] = settings.size;
@@ -219,10 +227,12 @@ impl<'a> Tracer<'a> {
             let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
             let exact = attributes(visibility, around, &view, position_world, hit);
             let light_factor = settings.exposure() * settings.light_scale;
-            let surface = match &settings.gbuffer {
-                Some(gbuffer) => quantise(gbuffer, &exact, &view, [x, y], light_factor),
-                None => exact,
+            let stored = |surface: &Attributes| match &settings.gbuffer {
+                Some(gbuffer) => quantise(gbuffer, surface, &view, [x, y], light_factor),
+                None => *surface,
             };
+            let surface = decals.paint(stored(&exact), stored);
+            let edge = edge || decals.is_at_edge(position_world);
             let prelit = if settings.stores_prelit() { surface.prelit } else { exact.prelit };
             let surface = Attributes { prelit, ..surface };
             let pixel = [x, y];

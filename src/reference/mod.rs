@@ -23,6 +23,8 @@ pub mod around;
 pub mod bloom;
 pub mod brdf;
 mod bvh;
+mod decals;
+pub mod edge_filter;
 pub mod environment;
 pub mod fog;
 pub mod frame;

@@ -20,6 +20,7 @@ impl Scene {
         let problem = first("meshes", &self.meshes, mesh)
             .or_else(|| first("instances", &self.instances, |i| affine(&i.world_from_object)))
             .or_else(|| first("materials", &self.materials, material))
+            .or_else(|| first("decals", &self.decals, |d| d.problem(self.materials.len())))
             .or_else(|| first("cameras", &self.cameras, camera))
             .or_else(|| surroundings(self).map(|problem| ("scene".to_owned(), problem)));
         match problem {

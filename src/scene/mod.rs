@@ -6,6 +6,7 @@
 mod budget;
 mod camera;
 mod check;
+mod decal;
 mod environment;
 mod globe_layers;
 mod gltf;
@@ -18,6 +19,7 @@ mod probe;
 mod surroundings;
 
 pub use camera::{Camera, Projection};
+pub use decal::{Decal, DecalChannels};
 pub use environment::Environment;
 pub use globe_layers::GlobeLayers;
 pub(crate) use gltf::edit;
@@ -68,6 +70,8 @@ pub struct Scene {
     pub environment: Option<Environment>,
     /// What glossy surfaces reflect inside boxes.
     pub probes: Vec<Probe>,
+    /// What is painted over surfaces.
+    pub decals: Vec<Decal>,
     /// View points. [`Scene::load`] always gives at least one.
     pub cameras: Vec<Camera>,
     /// What the loader had to leave out or change, one sentence each.

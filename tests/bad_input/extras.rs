@@ -190,6 +190,48 @@ fn probes() {
     );
 }
 
+#[test]
+fn decals() {
+    let decal = |change: fn(&mut Value)| {
+        let mut decal = json!({"material": 0, "size": [1, 2, 0.5], "channels": {"base_color": 1}});
+        change(&mut decal);
+        decal
+    };
+    for (value, element, problem) in [
+        (json!(0), "", "must be an object"),
+        (decal(|d| d["opacity"] = json!(1)), ".opacity", "not a name"),
+        (decal(|d| _ = d.as_object_mut().unwrap().remove("material")), "", "no material"),
+        (decal(|d| d["material"] = json!("red")), ".material", "an index"),
+        (decal(|d| d["material"] = json!(-1)), ".material", "an index"),
+        (decal(|d| d["material"] = json!(7)), ".material", "but there are 1"),
+        (decal(|d| d["size"] = json!(1)), ".size", "3 numbers above 0"),
+        (decal(|d| d["size"] = json!([1, 0, 1])), ".size", "3 numbers above 0"),
+        (decal(|d| d["size"] = json!([1, 1e39, 1])), ".size", "3 numbers above 0"),
+        (decal(|d| d["channels"] = json!(["normal"])), ".channels", "must be an object"),
+        (decal(|d| d["channels"] = json!({"colour": 1})), ".channels.colour", "not a name"),
+        (decal(|d| d["channels"] = json!({"normal": 1.5})), ".channels.normal", "from 0 to 1"),
+        (decal(|d| d["channels"] = json!({"roughness": -0.1})), ".channels.roughness", "from 0 to 1"),
+        (decal(|d| d["angle"] = json!(45)), ".angle", "2 numbers from 0 to 90"),
+        (decal(|d| d["angle"] = json!([0, 91])), ".angle", "2 numbers from 0 to 90"),
+        (decal(|d| d["angle"] = json!([60, 30])), ".angle", "ends before it begins"),
+        (decal(|d| d["falloff"] = json!(0.1)), ".falloff", "3 numbers of at least 0"),
+        (decal(|d| d["falloff"] = json!([0, -1, 0])), ".falloff", "3 numbers of at least 0"),
+        (decal(|d| d["priority"] = json!("top")), ".priority", "a number"),
+    ] {
+        let name = value.to_string();
+        let mut file = lit("point");
+        set(&mut file, "/nodes/0/extras", json!({"ontile": {"decal": value}}));
+        let place = format!("nodes[0].extras.ontile.decal{element}");
+        expect_input_error(&name, file.load(), &place, problem);
+    }
+    for scale in [json!([0, 0, 0]), json!([1, 0, 1]), json!([1e-40, 1, 1])] {
+        let mut flat = lit("point");
+        let node = flat.root_node(json!({"scale": scale}));
+        set(&mut flat, &format!("/nodes/{node}/extras"), json!({"ontile": {"decal": decal(|_| ())}}));
+        expect_input_error("no volume", flat.load(), &format!("nodes[{node}]"), "no volume");
+    }
+}
+
 /// JSON allows numbers that no float holds: they must not take what stands beside them away.
 #[test]
 fn numbers_that_are_too_large_are_told() {

@@ -69,6 +69,11 @@ impl Gpu<'_> {
         &self.cache
     }
 
+    /// Lets the layer say what contains this part.
+    pub fn excuse(&self, part: &'static str) {
+        self.excused.borrow_mut().insert(part);
+    }
+
     /// The plan of a scene on this device.
     pub fn plan(&self, scene: &Scene, options: Options) -> Plan {
         let plan = Plan::new(Needs::of(scene), options, &self.device.limits());

@@ -13,6 +13,8 @@ use super::environments;
 mod parts;
 use parts::*;
 
+#[path = "decal_scenes.rs"]
+pub mod decal_scenes;
 #[path = "shadow_scenes.rs"]
 pub mod shadow_scenes;
 
@@ -95,6 +97,8 @@ pub fn built() -> Vec<Scene> {
         before_sky(),
         sky_unlit(),
         sky_alone(),
+        decal_scenes::decals(),
+        decal_scenes::color_decals(),
     ];
     all.extend(environments::all());
     all.extend(glass_scenes::all());

@@ -15,7 +15,7 @@ use ontile::gpu::{
 };
 use ontile::picture::Pixels;
 use ontile::plan::{LightWay, Needs, Options, Path, Plan, Strategy};
-use ontile::scene::{Camera, Instance, Light, LightKind, Material, Mesh, Projection, Scene};
+use ontile::scene::{Camera, Decal, Instance, Light, LightKind, Material, Mesh, Projection, Scene};
 
 const SIZES: [[u32; 2]; 2] = [[160, 96], [72, 120]];
 
@@ -254,8 +254,14 @@ fn recording_allocates_nothing() {
     let (device, _) = engine.lend(false);
     let mut scene = scene(Vec3::ONE);
     scene.lights[0].range_m = Some(4.0);
+    // Over each other, in two levels, and a third beside them.
+    let spot = |x: f32| {
+        Decal::new(0, Mat4::from_translation(vec3(x, 0.0, 0.0)) * Mat4::from_scale(Vec3::splat(0.6)))
+    };
+    let painted = Scene { decals: [0.0, 0.2, -0.9].map(spot).to_vec(), ..scene.clone() };
     for options in methods().into_iter().chain([of(Strategy::Separate)]) {
-        let mut renderer = renderer(&device, &scene, &options);
+        let scene = if options.path == Path::Deferred { &painted } else { &scene };
+        let mut renderer = renderer(&device, scene, &options);
         upload(&engine, &device, &mut renderer);
         let images = images(&mut engine, &renderer, SIZES[0], 1);
         let target = renderer.create_target(SIZES[0], &outputs(&images)).unwrap();

@@ -1,5 +1,6 @@
 //! Scenes out of glTF files: one test for each thing that a file can say.
 
+mod decals;
 mod defaults;
 mod environments;
 #[path = "../common/gltf_build.rs"]

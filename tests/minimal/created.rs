@@ -18,8 +18,17 @@ fn names<'a>(all: impl Iterator<Item = &'a str>) -> Names {
 }
 
 /// Buffers that every frame slot has of its own.
-const OF_A_SLOT: [&str; 7] =
-    ["frame", "instances", "lights", "light lists", "lightmap parts", "shadow views", "casters"];
+const OF_A_SLOT: [&str; 9] = [
+    "decals",
+    "volume caster instances",
+    "frame",
+    "instances",
+    "lights",
+    "light lists",
+    "lightmap parts",
+    "shadow views",
+    "casters",
+];
 
 /// What the test's own host makes beside the renderer's objects.
 const OF_HOST: [(&str, &str); 2] = [("image", "output"), ("buffer", "readback")];
@@ -101,6 +110,7 @@ fn what_is_created_is_what_is_explained() {
                 Options { path: Path::ForwardMultipass, ..small() },
                 Options { lights: LightWay::Stencil, ..small() },
                 Options { bloom: BloomWay::Previous, ..small() },
+                Options { shadow_volumes: true, ..small() },
                 Options { bloom: BloomWay::Store, strategy: Strategy::Separate, ..small() },
                 Options { brdf: Brdf::Fitted, ..small() },
                 Options { brdf: Brdf::Fitted, path: Path::Forward, ..small() },

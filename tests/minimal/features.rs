@@ -28,6 +28,7 @@ pub fn objects(scene: &Scene, options: &Options) -> Objects {
             "lighting",
             "tonemap",
             "sky",
+            "decal",
             "fog",
             "blended surface",
         ];

@@ -4,8 +4,8 @@ use super::super::common::environments;
 use super::listed;
 use ontile::glam::{DVec3, Mat4, Vec2, Vec3, Vec4};
 use ontile::scene::{
-    AlphaMode, Background, Fog, FogHeight, GlobeMap, GlobePicture, Image, Instance, Light, LightKind,
-    Lightmap, LightmapRect, Material, Mesh, Sampler, Scene, Shadow, Texture, TextureRef,
+    AlphaMode, Background, Decal, DecalChannels, Fog, FogHeight, GlobeMap, GlobePicture, Image, Instance,
+    Light, LightKind, Lightmap, LightmapRect, Material, Mesh, Sampler, Scene, Shadow, Texture, TextureRef,
 };
 
 pub const UNLIT: &str = "attachment output, subpass geometry, pipeline surface unlit, surface unlit: attribute position, \
@@ -28,6 +28,15 @@ const FOLDED: &str = "lighting: FOLD";
 
 const TEXTURED: &str = "lit: attribute texture coordinates, lit: binding textures, image picture";
 const LISTED: &str = "lighting: binding light lists, buffer light lists, lighting: CLUSTERS";
+
+const DECAL: &str = "subpass decals, pipeline decal, decal: binding frame, decal: binding decals, decal: binding material, \
+                     decal: input depth, decal: input normal_roughness, buffer decals";
+
+fn decal(scene: &mut Scene, channels: DecalChannels) {
+    let material = scene.materials.len();
+    scene.materials.push(Material { name: "paint".into(), ..Material::default() });
+    scene.decals.push(Decal { name: "spot".into(), channels, ..Decal::new(material, Mat4::IDENTITY) });
+}
 
 /// Something that a scene may have.
 pub struct Feature {
@@ -264,6 +273,16 @@ pub const OF_LIT: &[Feature] = &[
           lighting: FOG_BASE, lighting: FOG_INVERSE_HEIGHT",
         ],
     ),
+    feature("a colour decal", |s| decal(s, DecalChannels::COLOR), &[DECAL, "decal: DECAL_BLENDED"]),
+    feature(
+        "a decal of two channels",
+        |s| decal(s, DecalChannels { base_color: 1.0, roughness: 1.0, ..DecalChannels::NONE }),
+        &[
+            DECAL,
+            "decal: input base_metallic, decal: DECAL_BASE_COLOR, decal: DECAL_ROUGHNESS, decal: DECAL_TARGETS",
+        ],
+    ),
+    feature("a decal of which nothing is left", |s| decal(s, DecalChannels::NONE), &[]),
     summed("emission", |s| s.materials[0].emissive_factor = Vec3::ONE, &[SUMMED, "lit: EMISSIVE"]),
     summed(
         "emission by a texture",

@@ -8,12 +8,18 @@ use super::features::objects;
 use ontile::glam::Vec3;
 use ontile::gpu::{ExplainedKind, Explanation};
 use ontile::plan::{Limits, Needs, Options, Plan};
-use ontile::scene::{AlphaMode, Background, LightKind, Material, Mesh, Scene, TextureRef};
+use ontile::scene::{AlphaMode, Background, Decal, LightKind, Material, Mesh, Scene, TextureRef};
 
 /// Meshes that are drawn, with their materials.
 fn drawn(scene: &Scene) -> impl Iterator<Item = (&Mesh, &Material)> {
     let shown = scene.instances.iter().map(|instance| &scene.meshes[instance.mesh]);
     shown.filter(|mesh| !mesh.indices.is_empty()).map(|mesh| (mesh, &scene.materials[mesh.material]))
+}
+
+/// Decals of which something is seen, with their materials.
+fn painted(scene: &Scene) -> impl Iterator<Item = (&Decal, &Material)> {
+    let all = scene.decals.iter().map(|decal| (decal, &scene.materials[decal.material]));
+    all.filter(|(decal, material)| decal.paints(material))
 }
 
 fn has_sky_light(scene: &Scene) -> bool {
@@ -84,6 +90,8 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
     let lightmap = lit && scene.lightmap.is_some() && scene.instances.iter().any(|i| i.lightmap.is_some());
     let deferred = lit_opaque && lights;
     let summed = blended || (deferred && (glows || unlit || around || lightmap || sky));
+    let paints = |channel: fn(&Decal, &Material) -> bool| lit && painted(scene).any(|(d, m)| channel(d, m));
+    let decals = paints(|_, _| true);
     let color = matches!(scene.background, Background::Color(_));
     let fog = is_drawn && scene.fog.is_some_and(|fog| fog.density_per_m > 0.0);
     vec![
@@ -185,7 +193,23 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("sky: PROBES", probes),
         ("sky: LIGHT_TARGET", summed),
         ("shadow c", shadow),
-        ("image ", textured),
+        ("decal:", decals),
+        ("decal: binding textures", paints(|d, m| d.textures(m).iter().any(Option::is_some))),
+        ("decal: SLOT_BASE_COLOR", paints(|d, m| d.textures(m)[0].is_some())),
+        ("decal: SLOT_METALLIC_ROUGHNESS", paints(|d, m| d.textures(m)[1].is_some())),
+        ("decal: SLOT_NORMAL", paints(|d, m| d.textures(m)[2].is_some())),
+        (
+            "decal: TRANSFORM_BITS",
+            paints(|d, m| d.textures(m).iter().flatten().any(|t| t.uv_from_texcoord != TextureRef::IDENTITY)),
+        ),
+        ("decal: DECAL_BASE_COLOR", paints(|d, _| d.channels.base_color > 0.0)),
+        ("decal: DECAL_NORMAL", paints(|d, m| d.textures(m)[2].is_some())),
+        ("decal: DECAL_ROUGHNESS", paints(|d, _| d.channels.roughness > 0.0)),
+        ("decal: DECAL_METALLIC", paints(|d, _| d.channels.metallic > 0.0)),
+        ("subpass decals", decals),
+        ("pipeline decal", decals),
+        ("buffer decals", decals),
+        ("image ", textured || paints(|d, m| d.textures(m).iter().any(Option::is_some))),
         ("image split sum", around),
         ("image radiance", environment || probes || sky),
         ("image lightmap", lightmap),
@@ -214,6 +238,11 @@ fn pictures(scene: &Scene) -> BTreeMap<String, usize> {
         for (slot, texture) in textures(scene, mesh, material).into_iter().enumerate() {
             let is_color = slot == 0 || slot == 4;
             used.extend(texture.map(|texture| (scene.textures[texture.texture].image, is_color)));
+        }
+    }
+    for (decal, material) in painted(scene) {
+        for (slot, texture) in decal.textures(material).into_iter().enumerate() {
+            used.extend(texture.map(|texture| (scene.textures[texture.texture].image, slot == 0)));
         }
     }
     let mut names = BTreeMap::new();

@@ -11,7 +11,7 @@ use crate::gpu::{Ask, Gpu};
 use crate::scenes;
 
 /// All layouts as they are, and those that store reflectance also without the device's sRGB decoder.
-fn layouts() -> Vec<(String, Ask)> {
+pub fn layouts() -> Vec<(String, Ask)> {
     let plain = Layout::ALL.iter().map(|&layout| (layout.to_string(), Ask { layout, ..Ask::EXACT }));
     let power = [Layout::Specular160, Layout::Rasa128]
         .map(|layout| (format!("{layout}, 2.0"), Ask { layout, gamma: Some(Gamma::Power20), ..Ask::EXACT }));
@@ -19,7 +19,7 @@ fn layouts() -> Vec<(String, Ask)> {
 }
 
 /// Each choice alone, on a layout that leaves it.
-fn choices() -> Vec<(String, Ask)> {
+pub fn choices() -> Vec<(String, Ask)> {
     let mut asks = Vec::new();
     let base = Ask { layout: Layout::Ontile128, ..Ask::EXACT };
     asks.extend(Normals::ALL.iter().map(|&n| (n.to_string(), Ask { normals: Some(n), ..base })));
@@ -35,7 +35,7 @@ fn choices() -> Vec<(String, Ask)> {
 
 /// How far a surface that was stored is from the exact one: position as a share of the distance, normal, colours, roughness,
 /// light.
-fn lost(kept: &Attributes, exact: &Attributes, view: &View) -> [f64; 5] {
+pub fn lost(kept: &Attributes, exact: &Attributes, view: &View) -> [f64; 5] {
     let distance = (exact.position_world - view.position_world).length();
     [
         (kept.position_world - exact.position_world).length() / distance,
@@ -47,7 +47,7 @@ fn lost(kept: &Attributes, exact: &Attributes, view: &View) -> [f64; 5] {
 }
 
 /// The quantile of the promised part, of each kind.
-fn typical(mut all: Vec<[f64; 5]>) -> [f64; 5] {
+pub fn typical(mut all: Vec<[f64; 5]>) -> [f64; 5] {
     let beyond = ((1.0 - PROMISED_PART) * all.len() as f64) as usize;
     std::array::from_fn(|k| {
         all.sort_by(|a, b| b[k].total_cmp(&a[k]));
@@ -57,14 +57,14 @@ fn typical(mut all: Vec<[f64; 5]>) -> [f64; 5] {
 
 /// What GPU and reference may differ by besides, where a format rounds the same value: `crate::gbuffer`'s bounds of what geometry
 /// interpolates, which may also tip a code over.
-const INTERPOLATED: [f64; 5] = [2e-5, 4e-4, 1e-5, 1e-5, 1e-4];
+pub const INTERPOLATED: [f64; 5] = [2e-5, 4e-4, 1e-5, 1e-5, 1e-4];
 
 /// Either neighbour is right where a value lies between two codes (Vulkan's conversions), so that the error may be twice half a
 /// step.
 const EITHER_NEIGHBOUR: f64 = 2.0;
 
 /// Of values below 1.
-const STEP_OF_HALF: f64 = 1.0 / 2048.0;
+pub const STEP_OF_HALF: f64 = 1.0 / 2048.0;
 
 /// What was written, if it is not what the formats can hold.
 fn written_wrong(

@@ -6,6 +6,7 @@ mod common;
 
 mod around;
 mod brdf;
+mod decals;
 mod error;
 mod exact;
 mod files;

@@ -33,6 +33,9 @@ pub fn turned(mut scene: Scene) -> Scene {
         light.direction_world = turn.transform_vector3(light.direction_world).normalize();
         light.up_world = turn.transform_vector3(light.up_world).normalize();
     }
+    for decal in &mut scene.decals {
+        decal.world_from_decal = turn * decal.world_from_decal;
+    }
     for camera in &mut scene.cameras {
         camera.world_from_view = turn * camera.world_from_view;
     }

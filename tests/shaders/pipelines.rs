@@ -28,6 +28,8 @@ fn plans() -> Vec<(String, Plan)> {
         Options { layout: Layout::Exact, fold: false, ..default() },
         Options { strategy: Strategy::Separate, ..default() },
         Options { bloom: BloomWay::Previous, ..default() },
+        Options { edge_filter: true, ..default() },
+        Options { shadow_volumes: true, ..default() },
         Options { bloom: BloomWay::Store, path: Path::ForwardMultipass, ..default() },
     ]);
     options.extend(Layout::ALL.iter().map(|&layout| Options { layout, ..default() }));
@@ -44,7 +46,8 @@ fn plans() -> Vec<(String, Plan)> {
         let needs = Needs::of(&scene);
         for options in &options {
             // Not every scene is drawn in every way.
-            if let Ok(plan) = Plan::new(needs.clone(), options.clone(), &Limits::default()) {
+            let limits = Limits { depth_clamp: true, ..Limits::default() };
+            if let Ok(plan) = Plan::new(needs.clone(), options.clone(), &limits) {
                 plans.push((format!("{} with {options:?}", scene.name), plan));
             }
         }

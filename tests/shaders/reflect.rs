@@ -296,23 +296,31 @@ impl Reflection {
                 compare(&name, "binding", decoration(Decoration::Binding), binding);
             };
             let upper = |prefix: &str| name.strip_prefix(prefix).map(|rest| rest.to_uppercase());
+            // Decals have input attachments where surfaces have their material.
+            let of_material = match self.has_input_attachments() {
+                true => "SET_DECAL_MATERIAL",
+                false => "SET_MATERIAL",
+            };
             match class {
                 StorageClass::Uniform | StorageClass::StorageBuffer => {
-                    let set = if name == "material" { "SET_MATERIAL" } else { "SET_FRAME" };
+                    let set = if name == "material" { of_material } else { "SET_FRAME" };
                     resource(set, format!("BINDING_{}", name.to_uppercase()));
                 }
                 StorageClass::UniformConstant => match upper("input_") {
                     Some(input) => {
                         let input = format!("INPUT_{input}");
                         resource("SET_INPUTS", input.clone());
+                        // Later passes sample what was an input.
                         let index = decoration(Decoration::InputAttachmentIndex);
-                        compare(&name, "input attachment index", index, input);
+                        if index.is_some() {
+                            compare(&name, "input attachment index", index, input);
+                        }
                     }
                     None => match upper("material_") {
-                        Some(texture) => resource("SET_MATERIAL", format!("BINDING_{texture}")),
+                        Some(texture) => resource(of_material, format!("BINDING_{texture}")),
                         None => {
                             let set = match name.as_str() {
-                                "bloom" => "SET_INPUTS",
+                                "bloom" | "edge_color" => "SET_INPUTS",
                                 name if name.starts_with("post_") => "SET_POST",
                                 _ => "SET_FRAME",
                             };

@@ -7,6 +7,7 @@ mod corners;
 mod kept;
 mod pool;
 mod rays;
+mod volumes;
 
 use common::render::Gpu;
 use common::scenes::shadow_scenes::{one_light_each, room};

@@ -17,15 +17,15 @@ pub fn light_of(picture: &Picture) -> Vec<DVec3> {
 
 /// How a picture differs from the reference.
 #[derive(Debug)]
-struct Disagreement {
+pub struct Disagreement {
     /// Pixels that are compared, as a share of all: those that are not at an edge of a surface or near one of a shadow.
-    compared: f64,
+    pub compared: f64,
     /// Of these, the share that is neither as light nor as dark as the reference.
-    wrong: f64,
+    pub wrong: f64,
     /// The same of all pixels, with those that a filter makes soft.
-    wrong_of_all: f64,
+    pub wrong_of_all: f64,
     /// Pixels in shadow by the reference, as a share of all.
-    shadowed: f64,
+    pub shadowed: f64,
 }
 
 impl Disagreement {
@@ -34,7 +34,7 @@ impl Disagreement {
     /// Of the reference's light: shadow or not is a matter of all of it.
     const TOLERANCE: f64 = 0.02;
 
-    fn new(frame: &Frame, actual: &[DVec3], dump: Option<&str>) -> Self {
+    pub fn new(frame: &Frame, actual: &[DVec3], dump: Option<&str>) -> Self {
         let [width, height] = frame.size;
         let near = |x: u32, y: u32| {
             let range =

@@ -90,6 +90,7 @@ sweeps! {
     shadow_where_there_is_none "shadow-acne",
     shadows_that_do_not_touch "shadow-gap",
     shadows_that_swim "shadow-shimmer",
+    decals_where_boxes_end "decals",
     two_surfaces_in_a_pixel "edges",
     the_curve_and_the_mean "resolve",
 }

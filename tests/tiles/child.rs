@@ -6,10 +6,10 @@ use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
 use ontile::plan::{
-    Access, Adreno, Bins, BloomWay, DepthStore, Edges, Layout, LightWay, Limits, Merging, Needs, Options,
-    Path as LightPath, Plan, Store, Strategy, Translucency,
+    Access, Adreno, Bins, BloomWay, DecalWay, DepthStore, Edges, Layout, LightWay, Limits, Merging, Needs,
+    Options, Path as LightPath, Plan, Store, Strategy, Translucency,
 };
-use ontile::scene::Scene;
+use ontile::scene::{Scene, Shadow};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -29,6 +29,7 @@ pub struct Case {
     pub edges: Edges,
     pub bloom: BloomWay,
     pub translucency: Translucency,
+    pub shadow_volumes: bool,
     pub fault: Option<Fault>,
     /// `RendererConfig::capture`.
     pub capture: bool,
@@ -36,6 +37,7 @@ pub struct Case {
     pub stage_timestamps: bool,
     /// The last instance is dynamic, and moves before a second frame.
     pub moves: bool,
+    pub decals: DecalWay,
 }
 
 /// What is wrong with the plan.
@@ -51,6 +53,10 @@ pub enum Fault {
     Stored,
     /// The same, and the image is no longer made for lazily allocated memory.
     StoredInMemory,
+    /// Of the dependency of a subpass on itself alone: it lets a pixel depend on any other one.
+    ItselfNotByRegion,
+    /// There is none.
+    ItselfDropped,
 }
 
 /// What the child tells.
@@ -84,16 +90,21 @@ impl Case {
             edges: Edges::Auto,
             bloom: BloomWay::Off,
             translucency: Translucency::Sorted,
+            shadow_volumes: false,
             fault: None,
             capture: false,
             stage_timestamps: false,
             moves: false,
+            decals: DecalWay::Auto,
         }
     }
 
     fn scene(&self) -> Scene {
         let mut scenes = scenes::built().into_iter();
         let mut scene = scenes.find(|scene| scene.name == self.scene).expect("a scene of this name");
+        if self.shadow_volumes {
+            scene.lights.iter_mut().for_each(|light| light.shadow = Some(Shadow::default()));
+        }
         scene.instances.iter_mut().rev().take(usize::from(self.moves)).for_each(|i| i.dynamic = true);
         scene
     }
@@ -108,10 +119,12 @@ impl Case {
             lights: self.lights,
             depth_prepass: self.depth_prepass,
             recycle: self.recycle,
+            decals: self.decals,
             samples: self.samples,
             edges: self.edges,
             bloom: self.bloom,
             translucency: self.translucency,
+            shadow_volumes: self.shadow_volumes,
             ..Options::default()
         };
         // What every Adreno of these generations allows.
@@ -119,6 +132,7 @@ impl Case {
             max_color_attachments: 8,
             max_input_attachments: 8,
             ordered_attachment_access: true,
+            depth_clamp: true,
             sample_counts: 7,
             word_sample_counts: 7,
             merging: Merging { local_read: Ok(()), ..Merging::default() },
@@ -182,6 +196,10 @@ fn spoil(plan: &mut Plan, fault: Fault) {
             let d = between.iter_mut().find(|d| (d.from, d.to) == (Some(0), Some(1))).unwrap();
             assert!(d.after.remove(&Access::ColorWrite) && d.after.contains(&Access::InputRead));
         }
+        Fault::ItselfNotByRegion => {
+            between.iter_mut().filter(|d| d.from == d.to).for_each(|d| d.by_region = false);
+        }
+        Fault::ItselfDropped => pass.dependencies.retain(|d| d.from != d.to),
         Fault::Stored | Fault::StoredInMemory => {
             let index = attachments.iter().position(|a| a.name == "normal_roughness").unwrap();
             let used = pass.attachments.iter_mut().find(|a| a.attachment == index).unwrap();

@@ -12,7 +12,7 @@ use child::{Case, Fault, Told};
 use common::turnip::{self, Turnip};
 use ontile::measure::tiler::{TilerTrace, Verdict};
 use ontile::plan::{
-    Bins, BloomWay, DepthStore, Edges, Layout, LightWay, Path as LightPath, Strategy, Translucency,
+    Bins, BloomWay, DecalWay, DepthStore, Edges, Layout, LightWay, Path as LightPath, Strategy, Translucency,
 };
 use serde_json::Value;
 use std::{path::Path, thread};
@@ -206,6 +206,8 @@ fn one_pass_stays_on_the_tile() {
         (3, Case { lights: LightWay::Volumes, ..Case::new(ALL_STAGES, Layout::Packed128) }),
         (3, Case { lights: LightWay::Stencil, ..Case::new(ALL_STAGES, Layout::Packed128) }),
         (3, Case { lights: LightWay::Volumes, ..Case::new("lights_only", Layout::Metallic256) }),
+        (3, Case { shadow_volumes: true, ..metallic("lights_only") }),
+        (3, Case { shadow_volumes: true, ..Case::new("lights_only", Layout::Packed128) }),
         (4, metallic("glass")),
         (4, metallic("glass_in_fog")),
         (4, Case::new("glass", Layout::Packed128)),
@@ -229,6 +231,42 @@ fn one_pass_stays_on_the_tile() {
     ];
     for (subpasses, case) in &cases {
         frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
+    }
+}
+
+/// Each way of ordering decals, in layouts of every kind.
+#[test]
+fn decals_stay_on_the_tile() {
+    let Some(turnip) = turnip::find() else { return };
+    let painted = |decals, scene, layout| Case { decals, ..Case::new(scene, layout) };
+    let mut cases = vec![(3, painted(DecalWay::Fixed, "color_decals", Layout::Metallic128))];
+    for decals in [DecalWay::RasterOrder, DecalWay::Barrier] {
+        cases.extend([
+            (4, painted(decals, "decals", Layout::Metallic128)),
+            (4, painted(decals, "decals", Layout::Rasa128)),
+            (4, painted(decals, "decals", Layout::Ontile128)),
+            (3, painted(decals, "decals", Layout::Metallic256)),
+            (3, painted(decals, "decals", Layout::Packed128)),
+            (3, painted(decals, "color_decals", Layout::Ontile64)),
+        ]);
+        let lights = LightWay::Stencil;
+        cases.push((4, Case { lights, ..painted(decals, "decals", Layout::Ontile128) }));
+    }
+    for (subpasses, case) in &cases {
+        frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
+    }
+}
+
+/// Barriers within a subpass need its dependency on itself, and that by region.
+#[test]
+fn a_wrong_dependency_of_decals_is_found_out() {
+    let Some(turnip) = turnip::find() else { return };
+    let spoilt = |fault| {
+        let decals = DecalWay::Barrier;
+        Case { fault: Some(fault), decals, ..Case::new("decals", Layout::Metallic128) }
+    };
+    for fault in [Fault::ItselfNotByRegion, Fault::ItselfDropped] {
+        frames(&turnip, &spoilt(fault), |_, frame| frame.expect_objection("validation: "));
     }
 }
 

@@ -169,6 +169,11 @@ impl Glb {
         self.node(name, pose, json!({"mesh": mesh}))
     }
 
+    /// A node that nothing stands at.
+    pub fn empty(&mut self, name: &str, pose: Pose) -> usize {
+        self.node(name, pose, json!({}))
+    }
+
     /// Places nodes together; they stop being roots.
     pub fn group(&mut self, name: &str, children: &[usize], pose: Pose) -> usize {
         self.is_child.extend(children);
@@ -205,7 +210,7 @@ impl Glb {
         self.node(light.name, pose, json!({"extensions": {extension: {"light": index}}}))
     }
 
-    /// What ontile reads of a light's node besides glTF: its `extras`.
+    /// What ontile reads of a node besides glTF: its `extras`.
     pub fn extras(&mut self, node: usize, ontile: Value) {
         self.lists.get_mut("nodes").expect("the node exists")[node]["extras"] = json!({"ontile": ontile});
     }

@@ -7,6 +7,7 @@ pub mod bench;
 pub mod canyon;
 mod chapel;
 mod courtyard;
+mod decals;
 mod glass;
 mod glb;
 mod grid;

@@ -1,6 +1,6 @@
 //! The command line: which scenes are made, and whether they are written or compared.
 
-use super::{bench, canyon, chapel, courtyard, glass, grid, interior, lamps, unlit};
+use super::{bench, canyon, chapel, courtyard, decals, glass, grid, interior, lamps, unlit};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::fs;
 use std::io::ErrorKind;
@@ -63,6 +63,8 @@ pub enum Shipped {
     Chapel,
     /// A walled courtyard at dusk
     Courtyard,
+    /// A corner of a workshop that decals make look used
+    Decals,
     /// Coloured panes and bottles of glass before a lamp
     Glass,
     /// Spheres from plastic to metal, from glossy to matt
@@ -81,6 +83,7 @@ impl Shipped {
         match self {
             Self::Chapel => "chapel.glb",
             Self::Courtyard => "courtyard.glb",
+            Self::Decals => "decals.glb",
             Self::Glass => "glass.glb",
             Self::Grid => "grid.glb",
             Self::Interior => "interior.glb",
@@ -94,6 +97,7 @@ impl Shipped {
         match self {
             Self::Chapel => chapel::glb(),
             Self::Courtyard => courtyard::glb(),
+            Self::Decals => decals::glb(),
             Self::Glass => glass::glb(),
             Self::Grid => grid::glb(),
             Self::Interior => interior::glb(),

@@ -2,9 +2,10 @@
 
 use super::super::shader::{shared, shared_names};
 use super::elements::{Elements, is_local};
-use crate::plan::{Pipeline, SLOTS, SurfaceKind};
+use crate::plan::{Pipeline, SLOTS};
 
 const SET_FRAME: u32 = shared("SET_FRAME");
+const SET_INPUTS: u32 = shared("SET_INPUTS");
 const MATERIAL: u32 = shared("BINDING_MATERIAL");
 
 impl Elements<'_> {
@@ -36,11 +37,20 @@ impl Elements<'_> {
         let name = shared_names("BINDING_").find(|(_, number)| *number == binding).map(|(name, _)| name);
         if binding >= const { shared("BINDING_BLOOM") } {
             let name = name.unwrap_or("(without a name)").to_lowercase().replace('_', " ");
-            return (name, format!("the option bloom is {}", self.plan.options.bloom));
+            let why = match binding == const { shared("BINDING_EDGE_COLOR") } {
+                true => "the option edge filter".into(),
+                false => format!("the option bloom is {}", self.plan.options.bloom),
+            };
+            return (name, why);
         }
         if set != SET_FRAME {
             return match found {
-                Some((stage, _)) if set == const { shared("SET_LAYERS") } => self.input(*stage, binding),
+                Some((stage, Pipeline::Decal(_))) if set == SET_INPUTS => self.input(*stage, binding),
+                Some((stage, pipeline))
+                    if pipeline.is_of_blended() && set == const { shared("SET_LAYERS") } =>
+                {
+                    self.input(*stage, binding)
+                }
                 Some((stage, pipeline)) if pipeline.reads_attachments() => self.input(*stage, binding),
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),
                 _ => {
@@ -63,6 +73,7 @@ impl Elements<'_> {
             b if b == const { shared("BINDING_VOLUMES") } => {
                 ("volumes", format!("{} is drawn as a volume", self.light(is_local)))
             }
+            b if b == const { shared("BINDING_DECALS") } => ("decals", format!("{element} is painted")),
             b if b == const { shared("BINDING_SHADOW_VIEWS") } => ("shadow views", self.shadow_lights()),
             b if b == const { shared("BINDING_SHADOW_MAP") } => ("shadow map", self.shadow_lights()),
             b if b == const { shared("BINDING_GLOBE_MAPS") } => ("globe maps", self.globe_light()),
@@ -77,6 +88,10 @@ impl Elements<'_> {
             }
             b if b == const { shared("BINDING_LIGHTMAP") } => {
                 ("lightmap", format!("{element} is lit by the lightmap"))
+            }
+            b if b == const { shared("BINDING_CASTERS") } => ("volume casters", self.volume_lights()),
+            b if b == const { shared("BINDING_CASTER_INSTANCES") } => {
+                ("volume caster instances", self.volume_lights())
             }
             _ => ("(without a name)", element.into()),
         };
@@ -100,9 +115,10 @@ impl Elements<'_> {
 
 /// The texture slots of what a pipeline draws.
 fn slots(pipeline: &Pipeline) -> Vec<&'static str> {
-    let (Pipeline::Surface(kind) | Pipeline::Light(kind) | Pipeline::Depth(kind)) = pipeline else {
-        return Vec::new();
+    let kind = match pipeline {
+        Pipeline::Surface(kind) | Pipeline::Light(kind) | Pipeline::Depth(kind) => *kind,
+        Pipeline::Decal(kind) => kind.surface(),
+        _ => return Vec::new(),
     };
-    let samples = |kind: &SurfaceKind, slot: usize| kind.samples(slot);
-    SLOTS.iter().enumerate().filter(|(slot, _)| samples(kind, *slot)).map(|(_, name)| *name).collect()
+    SLOTS.iter().enumerate().filter(|(slot, _)| kind.samples(*slot)).map(|(_, name)| *name).collect()
 }

@@ -67,6 +67,7 @@ impl Elements<'_> {
             "VOLUME_SHAPE" => format!("the shape of {element}"),
             "GLOBE_MAPS" => self.globe_light(),
             "SHADOWS" => self.shadow_lights(),
+            "SHADOW_VOLUMES" => self.volume_lights(),
             "SHADOW_FILTER" => {
                 format!("{}; the option shadow filter is {}", self.shadow_lights(), options.shadows.filter)
             }
@@ -92,6 +93,12 @@ impl Elements<'_> {
             }
             "FOG" | "FOG_RED" | "FOG_GREEN" | "FOG_BLUE" | "FOG_DENSITY" => "the scene has fog".into(),
             "FOG_BASE" | "FOG_INVERSE_HEIGHT" => "the scene's fog gets thinner with height".into(),
+            "DECAL_BASE_COLOR" => format!("{element} paints base colour"),
+            "DECAL_NORMAL" => format!("{element} paints normals"),
+            "DECAL_ROUGHNESS" => format!("{element} paints roughness"),
+            "DECAL_METALLIC" => format!("{element} paints metallicness"),
+            "DECAL_TARGETS" => "what of the G-buffer the scene's decals change".into(),
+            "DECAL_BLENDED" => "decals are mixed by fixed-function blending".into(),
             "FORM" | "DEPTH_TARGET" | "NORMALS" | "GAMMA" | "GBUFFER" | "LIGHT_READ" | "LIGHT_ADDED"
             | "LIGHT_ALPHA" => {
                 format!("how the G-buffer {} and the light target store it", options.layout)
@@ -99,6 +106,7 @@ impl Elements<'_> {
             "BLOOM" | "BLOOM_STORED" | "BLOOM_STEP" | "BLOOM_DISPLAYED" => {
                 format!("the option bloom is {}", options.bloom)
             }
+            "DEPTH_STEP" => "the depth that the edge filter samples has steps".into(),
             _ => "asked for by the options".into(),
         }
     }

@@ -6,7 +6,7 @@ use super::super::pipeline::PipelineParts;
 use super::super::shader::shared;
 use super::elements::{Elements, is_local};
 use crate::Result;
-use crate::plan::{SLOTS, SceneKinds, SurfaceKind, element};
+use crate::plan::{DecalKind, SLOTS, SceneKinds, SurfaceKind, element};
 
 impl Elements<'_> {
     /// Pipelines that tiles of the shadow map begin with.
@@ -36,6 +36,17 @@ impl Elements<'_> {
             let kind = SurfaceKind::new(&kinds, instance);
             for (slot, texture) in SurfaceKind::textures_of(material).into_iter().enumerate() {
                 let Some(texture) = texture.filter(|_| kind.samples(slot)) else { continue };
+                let key = (scene.textures[texture.texture].image, SurfaceKind::is_srgb(slot));
+                let why = || format!("{} of {}", SLOTS[slot], element("material", &material.name, index));
+                pictures.entry(key).or_insert_with(why);
+            }
+        }
+        for decal in scene.decals.iter().filter(|_| plan.decal_way.is_some()) {
+            let Some(kind) = DecalKind::new(scene, decal) else { continue };
+            let index = decal.material;
+            let material = &scene.materials[index];
+            for (slot, texture) in decal.textures(material).into_iter().enumerate() {
+                let Some(texture) = texture.filter(|_| kind.surface().samples(slot)) else { continue };
                 let key = (scene.textures[texture.texture].image, SurfaceKind::is_srgb(slot));
                 let why = || format!("{} of {}", SLOTS[slot], element("material", &material.name, index));
                 pictures.entry(key).or_insert_with(why);
@@ -85,7 +96,14 @@ impl Elements<'_> {
             (plan.needs.lightmap.is_some(), "lightmap parts", "instances have parts of the lightmap".into()),
             (frame(const { shared("BINDING_ENVIRONMENT") }), "environment", self.around()),
             (!plan.needs.probes.is_empty(), "probes", self.around()),
+            (!plan.volume_lights.is_empty(), "volume casters", self.volume_lights()),
+            (!plan.volume_lights.is_empty(), "volume caster instances", self.volume_lights()),
             (plan.shadow_map.is_some(), "shadow views", self.shadow_lights()),
+            (
+                plan.decal_way.is_some(),
+                "decals",
+                plan.needs.decals.first().map_or_else(String::new, |need| format!("{} is painted", need.why)),
+            ),
             (plan.shadow_map.is_some(), "casters", self.shadow_lights()),
         ];
         all.into_iter().filter(|(exists, ..)| *exists).map(|(_, name, why)| (name, why)).collect()

@@ -70,6 +70,12 @@ impl<'a> Elements<'a> {
                 let lit = plan.needs.lit_opaque.as_deref().unwrap_or_default();
                 format!("{lit} is lit by {}", self.light(|_| true))
             }
+            Pipeline::ShadowVolume => format!("{} shadow volumes", self.volume_lights()),
+            Pipeline::ShadowedLight => format!("{} a shadow volume", self.volume_lights()),
+            Pipeline::Decal(kind) => {
+                let need = plan.needs.decals.iter().find(|need| need.kind == *kind);
+                need.map_or_else(String::new, |need| need.why.clone())
+            }
             Pipeline::Peel { kind, .. } => self.need(|need| need.kind.blend && need.kind.depth() == *kind),
             Pipeline::Composite => plan.subpass(*stage).2.why.clone(),
             Pipeline::Edges => {
@@ -89,6 +95,16 @@ impl<'a> Elements<'a> {
         let mut lights = self.scene.lights.iter().enumerate();
         let light = lights.find(|(_, light)| !light.is_dark() && wanted(light));
         light.map_or_else(|| "(no light)".into(), |(i, light)| element("light", &light.name, i))
+    }
+
+    /// The lights that have shadow volumes.
+    pub(super) fn volume_lights(&self) -> String {
+        let lights = &self.plan.volume_lights;
+        let first = lights.first().map(|&i| element("light", &self.scene.lights[i].name, i));
+        match lights.len() {
+            0 | 1 => format!("{} has", first.unwrap_or_default()),
+            n => format!("{} and {} more have", first.unwrap_or_default(), n - 1),
+        }
     }
 
     /// The lights that have a part of the shadow map.

@@ -4,7 +4,7 @@ use ash::vk;
 
 use super::super::descriptor::{Binding, set_layout};
 use super::super::shader::{LightLoop, shared};
-use super::super::shared::LightPush;
+use super::super::shared::{LightPush, VolumePush};
 use super::super::{Device, Owned};
 use super::modules::lighting_constants;
 use crate::Result;
@@ -15,10 +15,22 @@ use crate::plan::{Around, Brdf, Pipeline, Plan};
 pub(in crate::gpu) struct Family {
     frame: u32,
     second: SecondSet,
+    push: Push,
+    /// With `SET_DECAL_MATERIAL`: the material's number of textures.
+    decal_textures: Option<u32>,
     /// `SET_LAYERS`: input attachments beside a material.
     layers: u32,
-    /// Whether `LightPush` says which light it is.
-    one_light: bool,
+}
+
+/// Push constants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::gpu) enum Push {
+    /// There are none.
+    Nothing,
+    /// `LightPush`, for fragments.
+    Light,
+    /// `VolumePush`, for vertices.
+    Volume,
 }
 
 /// The set beside `SET_FRAME`.
@@ -53,9 +65,12 @@ const LIGHTMAPS: u32 = shared("BINDING_LIGHTMAPS");
 const LIGHTMAP: u32 = shared("BINDING_LIGHTMAP");
 const PROBES: u32 = shared("BINDING_PROBES");
 const VOLUMES: u32 = shared("BINDING_VOLUMES");
+const DECALS: u32 = shared("BINDING_DECALS");
+const CASTERS: u32 = shared("BINDING_CASTERS");
+const CASTER_INSTANCES: u32 = shared("BINDING_CASTER_INSTANCES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 14] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 17] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -73,6 +88,9 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 14] = {
         (LIGHTMAP, T::COMBINED_IMAGE_SAMPLER, S::FRAGMENT),
         (PROBES, T::STORAGE_BUFFER, S::FRAGMENT),
         (VOLUMES, T::STORAGE_BUFFER, S::VERTEX),
+        (DECALS, T::STORAGE_BUFFER, both),
+        (CASTERS, T::STORAGE_BUFFER, S::VERTEX),
+        (CASTER_INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
 
@@ -96,15 +114,19 @@ impl Family {
         let lighting = of_lighting.into_iter().filter_map(|(is_read, binding)| is_read.then_some(binding));
         let of_lights: Vec<u32> = match pipeline {
             Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
+            Pipeline::ShadowVolume => vec![CASTERS, CASTER_INSTANCES],
             Pipeline::LightVolume(_) | Pipeline::EdgeVolume(_) => lighting.chain([VOLUMES]).collect(),
             Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog | Pipeline::Edges => {
                 Vec::new()
             }
             Pipeline::Peel { .. } | Pipeline::Composite => Vec::new(),
+            Pipeline::Decal(_) => vec![DECALS],
             Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
-            Pipeline::Surface(_) | Pipeline::Light(_) | Pipeline::Lighting | Pipeline::EdgeLighting => {
-                lighting.collect()
-            }
+            Pipeline::Surface(_)
+            | Pipeline::Light(_)
+            | Pipeline::Lighting
+            | Pipeline::EdgeLighting
+            | Pipeline::ShadowedLight => lighting.collect(),
         };
         let has_table = plan.options.brdf != Brdf::Fitted;
         let around: &[u32] = match pipeline {
@@ -129,15 +151,17 @@ impl Family {
         let frame = own.iter().chain(of_surfaces).chain(&of_lights).chain(around).chain(lightmap);
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
-            Pipeline::LightMask(_) | Pipeline::Sky => SecondSet::Nothing,
+            Pipeline::LightMask(_) | Pipeline::ShadowVolume | Pipeline::Sky => SecondSet::Nothing,
             Pipeline::Peel { .. } if plan.subpass(stage).2.inputs.is_empty() => SecondSet::Nothing,
             Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
             Pipeline::Lighting
             | Pipeline::LightVolume(_)
+            | Pipeline::ShadowedLight
             | Pipeline::Tonemap
             | Pipeline::Fog
+            | Pipeline::Decal(_)
             | Pipeline::Edges
             | Pipeline::EdgeLighting
             | Pipeline::EdgeVolume(_)
@@ -147,22 +171,32 @@ impl Family {
                 bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
             },
         };
-        let one_light = matches!(pipeline, Pipeline::Light(_));
+        let push = match pipeline {
+            Pipeline::Light(_) => Push::Light,
+            Pipeline::ShadowVolume => Push::Volume,
+            _ => Push::Nothing,
+        };
+        let decal_textures = match pipeline {
+            Pipeline::Decal(kind) => Some(kind.textures.count_ones()),
+            _ => None,
+        };
         let subpass = plan.subpass(stage).2;
         let layers =
             if pipeline.is_of_blended() && subpass.ordered { subpass.inputs.len() as u32 } else { 0 };
-        Self { frame: frame.fold(0, |bits, binding| bits | 1 << binding), second, layers, one_light }
+        let frame = frame.fold(0, |bits, binding| bits | 1 << binding);
+        Self { frame, second, push, decal_textures, layers }
     }
 
     /// What a pass after the frame's own reads: bits of its samplers' bindings, and whether the camera.
     pub(in crate::gpu) fn of_post(bindings: u32, camera: bool) -> Self {
         let frame = if camera { 1 << FRAME } else { 0 };
-        Self { frame, second: SecondSet::Samplers { bindings }, layers: 0, one_light: false }
+        let second = SecondSet::Samplers { bindings };
+        Self { frame, second, push: Push::Nothing, decal_textures: None, layers: 0 }
     }
 
-    /// Whether its pipelines are told a light by push constant.
+    /// Whether its pipelines have push constants.
     pub(in crate::gpu) fn has_push_constants(self) -> bool {
-        self.one_light
+        self.push != Push::Nothing
     }
 
     /// Whether the second set is a material's.
@@ -184,18 +218,18 @@ impl Family {
         self.frame
     }
 
-    /// The bindings of `SET_FRAME`, of the second set, and of `SET_LAYERS`.
+    /// The bindings of `SET_FRAME`, of the second set, and of a third: a decal's material, or `SET_LAYERS`.
     pub(super) fn sets(self) -> [Vec<Binding>; 3] {
         use vk::{DescriptorType as T, ShaderStageFlags as S};
+        let material = |textures: u32| -> Vec<Binding> {
+            let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
+            let images = const { shared("BINDING_TEXTURES") };
+            let images = (textures > 0).then_some((images, T::COMBINED_IMAGE_SAMPLER, textures, S::FRAGMENT));
+            std::iter::once(numbers).chain(images).collect()
+        };
         let in_frame = FRAME_BINDINGS.iter().filter(|(binding, ..)| self.frame & (1 << binding) != 0);
         let second = match self.second {
-            SecondSet::Material { textures } => {
-                let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
-                let images = const { shared("BINDING_TEXTURES") };
-                let images =
-                    (textures > 0).then_some((images, T::COMBINED_IMAGE_SAMPLER, textures, S::FRAGMENT));
-                std::iter::once(numbers).chain(images).collect()
-            }
+            SecondSet::Material { textures } => material(textures),
             SecondSet::Nothing => Vec::new(),
             SecondSet::Inputs { count, bloom } => {
                 let inputs = (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT));
@@ -211,7 +245,8 @@ impl Family {
         };
         let inputs = |count| (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT)).collect();
         let frame = in_frame.map(|&(binding, ty, stages)| (binding, ty, 1, stages)).collect();
-        [frame, second, inputs(self.layers)]
+        let third = self.decal_textures.map_or_else(|| inputs(self.layers), material);
+        [frame, second, third]
     }
 }
 
@@ -232,10 +267,14 @@ impl FamilyLayout {
         let sets: Vec<_> =
             sets.map(|b| set_layout(device, b, &format!("{family:?}"))).collect::<Result<_>>()?;
         let raw: Vec<_> = sets.iter().map(Owned::raw).collect();
-        let push = vk::PushConstantRange::default()
-            .stage_flags(vk::ShaderStageFlags::FRAGMENT)
-            .size(size_of::<LightPush>() as u32);
-        let pushes: &[_] = if family.one_light { &[push] } else { &[] };
+        let range =
+            |stages, bytes: usize| vk::PushConstantRange::default().stage_flags(stages).size(bytes as u32);
+        let push = match family.push {
+            Push::Nothing => None,
+            Push::Light => Some(range(vk::ShaderStageFlags::FRAGMENT, size_of::<LightPush>())),
+            Push::Volume => Some(range(vk::ShaderStageFlags::VERTEX, size_of::<VolumePush>())),
+        };
+        let pushes = push.as_slice();
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&raw).push_constant_ranges(pushes);
         // SAFETY: the set layouts are alive and belong to this device, and every device has 128 bytes to push.
         let layout = unsafe { device.create_pipeline_layout(&info, &format!("{family:?}")) }?;

@@ -11,6 +11,7 @@ use std::ffi::CStr;
 use ash::vk;
 
 pub(super) use family::{Family, FamilyLayout};
+pub(super) use modules::gbuffer_constants;
 use modules::modules;
 pub use parts::PipelineParts;
 use state::{FixedState, VertexInput};
@@ -20,8 +21,8 @@ use super::pass::VulkanPass;
 use super::post::PostParts;
 use super::shader::{AttachmentPlaces, Shaders};
 use super::{Called, Device, Owned, PipelineCache};
-use crate::Result;
 use crate::plan::{Pipeline, Plan};
+use crate::{Error, Result};
 
 const ENTRY: &CStr = c"main";
 
@@ -53,6 +54,12 @@ impl Pipelines {
         passes: &[VulkanPass],
         cache: &PipelineCache,
     ) -> Result<Self> {
+        if !plan.volume_lights.is_empty() && !device.features().depth_clamp {
+            return Err(Error::unsupported(
+                "the plan has shadow volumes, and the device was made without depthClamp",
+                "enable it and say so in `Features`, or leave `Options::shadow_volumes` out",
+            ));
+        }
         let families: Vec<_> =
             plan.pipelines.iter().map(|(stage, pipeline)| Family::of(plan, *stage, pipeline)).collect();
         let mut layouts = BTreeMap::new();

@@ -1,11 +1,12 @@
 //! Which shader modules a pipeline consists of.
 
 use super::super::shader::{
-    GBufferConstants, GeometryConstants, LightLoop, LightingConstants, LightmapConstants, Module,
-    OutputConstants, SampleConstants, SkyConstants, Specialization, TextureSlot, shared,
+    DecalConstants, GBufferConstants, GeometryConstants, KIND_COUNT, LightLoop, LightingConstants,
+    LightmapConstants, Module, OutputConstants, SampleConstants, SkyConstants, Specialization, TextureSlot,
+    shared, target_number,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{Edges, Form, Format, Pipeline, Plan, SurfaceKind, VolumeShape};
+use crate::plan::{DecalKind, DecalWay, Edges, Form, Format, Pipeline, Plan, SurfaceKind, VolumeShape};
 use crate::visible::ShadowShape;
 
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
@@ -37,8 +38,19 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         }
         Pipeline::Edges => (Module::Fullscreen, Some(Module::Edges), Specialization::default()),
         Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
+        Pipeline::Decal(kind) => {
+            let surface =
+                GeometryConstants { textures: textures(&kind.surface()), ..GeometryConstants::default() };
+            let decal = decal_constants(plan, kind).specialization();
+            (Module::DecalVertex, Some(Module::Decal), surface.specialization().and(decal))
+        }
         Pipeline::LightVolume(shape) | Pipeline::EdgeVolume(shape) => {
             (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape))
+        }
+        Pipeline::ShadowVolume => (Module::ShadowVolumeVertex, None, Specialization::default()),
+        Pipeline::ShadowedLight => {
+            let of_instance = Specialization::volume(const { shared("VOLUME_OF_INSTANCE") });
+            (Module::LightVolume, Some(Module::Lighting), of_instance)
         }
         Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), Specialization::default()),
         Pipeline::Composite => (Module::Fullscreen, Some(Module::Composite), Specialization::default()),
@@ -71,7 +83,8 @@ fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
         samples: plan.options.samples,
         per_sample: plan.edges == Edges::All
             || pipeline.per_pixel() != *pipeline
-            || *pipeline == Pipeline::Fog,
+            || *pipeline == Pipeline::Fog
+            || matches!(pipeline, Pipeline::Decal(_)),
         edge_target: plan.edges == Edges::Coverage,
         edge_masks: plan.needs.kinds.iter().any(|need| need.kind.alpha_mask),
         sample_depth: plan.has_gbuffer() && plan.gbuffer.reads_depth_attachment(),
@@ -84,7 +97,7 @@ fn translucency_constants(plan: &Plan) -> Specialization {
     Specialization::translucency(plan.options.translucency, plan.options.layers(), pairs)
 }
 
-fn gbuffer_constants(plan: &Plan) -> GBufferConstants {
+pub(in crate::gpu) fn gbuffer_constants(plan: &Plan) -> GBufferConstants {
     let new = GBufferConstants::new(&plan.gbuffer);
     GBufferConstants {
         exists: plan.has_gbuffer(),
@@ -109,10 +122,12 @@ pub(super) fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingCo
         has_back: plan.needs.back_colors > 0,
         globe_maps: plan.needs.globe_maps > 0,
         shadow_filter: plan.shadow_map.as_ref().map(|_| plan.options.shadows.filter),
+        shadow_volumes: !plan.volume_lights.is_empty(),
         fold: plan.folded,
     };
     let one_by_one = plan.light_way.is_one_by_one();
     match pipeline.per_pixel() {
+        Pipeline::ShadowedLight => all.one_counted(),
         Pipeline::Lighting if one_by_one => all.only_global(has_shadows(plan, ShadowShape::Cascades)),
         Pipeline::LightVolume(_) => all.one_local(
             [ShadowShape::Slab, ShadowShape::Cone, ShadowShape::Cube].iter().any(|&s| has_shadows(plan, s)),
@@ -128,7 +143,7 @@ fn has_shadows(plan: &Plan, shape: ShadowShape) -> bool {
 fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
     // Fog comes before light that is complete.
     let applies_fog = match pipeline.per_pixel() {
-        Pipeline::Lighting | Pipeline::LightVolume(_) => plan.folded,
+        Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::ShadowedLight => plan.folded,
         Pipeline::Tonemap => plan.has_gbuffer() && plan.needs.blended.is_none(),
         _ => true,
     };
@@ -152,16 +167,32 @@ fn shape_constant(shape: VolumeShape) -> Specialization {
     })
 }
 
-fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
-    let slot = |slot: usize| {
+fn textures(kind: &SurfaceKind) -> [Option<TextureSlot>; KIND_COUNT] {
+    std::array::from_fn(|slot| {
         kind.texture_index(slot).map(|index| TextureSlot {
             slot: index as u32,
             second_texcoord: kind.second_texcoord & (1 << slot) != 0,
             transformed: kind.transformed & (1 << slot) != 0,
         })
-    };
+    })
+}
+
+fn decal_constants(plan: &Plan, kind: &DecalKind) -> DecalConstants {
+    let stage = plan.passes.iter().flat_map(|p| &p.subpasses).find(|s| s.name == "decals");
+    let blended = plan.decal_way == Some(DecalWay::Fixed);
+    // What is blended is written whole.
+    let targets = stage.filter(|_| !blended).map_or(&[][..], |stage| &stage.color_names);
+    let numbers = targets.iter().filter_map(|name| target_number(name));
+    DecalConstants {
+        channels: kind.channels,
+        targets: numbers.fold(0, |bits, target| bits | 1 << target),
+        blended,
+    }
+}
+
+fn surface_constants(plan: &Plan, kind: &SurfaceKind) -> GeometryConstants {
     GeometryConstants {
-        textures: std::array::from_fn(slot),
+        textures: textures(kind),
         alpha_mask: kind.alpha_mask,
         double_sided: kind.double_sided,
         unlit: kind.unlit,

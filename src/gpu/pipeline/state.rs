@@ -8,7 +8,7 @@ use super::super::scene_data::vertex_streams;
 use super::super::shader::shared;
 use super::super::{StreamKind, conv, texel_bytes};
 use crate::Result;
-use crate::plan::{Edges, LightWay, Pipeline, Plan, Subpass, VolumeShape};
+use crate::plan::{COUNT_BITS, Edges, LightWay, Pipeline, Plan, Subpass, VolumeShape};
 
 /// Vertex attributes in the order of their streams.
 #[derive(Default)]
@@ -79,6 +79,8 @@ impl FixedState {
             Pipeline::LightVolume(shape) | Pipeline::EdgeVolume(shape) if *shape != VolumeShape::Screen => {
                 vk::CullModeFlags::FRONT
             }
+            // The triangle that stands in for a box that the far plane cuts is turned like its far sides.
+            Pipeline::Decal(_) => vk::CullModeFlags::FRONT,
             _ => vk::CullModeFlags::NONE,
         };
         // Clip space has y down, so triangles that are counter-clockwise in the world stay so on the image.
@@ -95,14 +97,28 @@ impl FixedState {
         };
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .polygon_mode(vk::PolygonMode::FILL)
+            // Volumes that go on for ever end neither at the near plane nor at the far one.
+            .depth_clamp_enable(*pipeline == Pipeline::ShadowVolume)
             .cull_mode(cull)
             .front_face(front)
             .line_width(1.0);
         let depth = subpass.depth.map(|_| depth_stencil(plan, subpass, pipeline));
         let all =
             vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
-        let one = if matches!(pipeline, Pipeline::LightMask(_) | Pipeline::Edges) {
+        let one = if matches!(pipeline, Pipeline::LightMask(_) | Pipeline::ShadowVolume | Pipeline::Edges) {
             vk::PipelineColorBlendAttachmentState::default()
+        } else if matches!(pipeline, Pipeline::Decal(_)) && subpass.blend {
+            // Alpha is the opacity, and what the target has there stays.
+            all.color_write_mask(
+                vk::ColorComponentFlags::R | vk::ColorComponentFlags::G | vk::ColorComponentFlags::B,
+            )
+            .blend_enable(true)
+            .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
+            .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+            .color_blend_op(vk::BlendOp::ADD)
+            .src_alpha_blend_factor(vk::BlendFactor::ZERO)
+            .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+            .alpha_blend_op(vk::BlendOp::ADD)
         } else if subpass.blend {
             // Over what is there, colours multiplied by alpha already; or added to it; or summed, while alpha holds what is left of
             // what is behind.
@@ -168,6 +184,21 @@ fn depth_stencil(
                 .stencil_test_enable(true)
                 .front(count.depth_fail_op(vk::StencilOp::DECREMENT_AND_WRAP))
                 .back(count.depth_fail_op(vk::StencilOp::INCREMENT_AND_WRAP))
+        }
+        // Behind each surface more volumes end than begin if it is within some. What ends where the surface itself is, the near
+        // end of its own volume, is behind it: it does not shadow itself.
+        Pipeline::ShadowVolume => {
+            let count = every.compare_op(vk::CompareOp::ALWAYS).write_mask(COUNT_BITS);
+            test.depth_compare_op(vk::CompareOp::GREATER)
+                .stencil_test_enable(true)
+                .front(count.depth_fail_op(vk::StencilOp::DECREMENT_AND_WRAP))
+                .back(count.depth_fail_op(vk::StencilOp::INCREMENT_AND_WRAP))
+        }
+        // Covers all pixels, so that no count is left to the next light.
+        Pipeline::ShadowedLight => {
+            let none = every.compare_mask(COUNT_BITS).write_mask(COUNT_BITS);
+            let none = none.compare_op(vk::CompareOp::EQUAL).fail_op(vk::StencilOp::ZERO);
+            test.depth_compare_op(vk::CompareOp::LESS).stencil_test_enable(true).front(none).back(none)
         }
         // Shades what was marked and clears the mark, so that the next light finds none: edges first, whose counts are then out of
         // the way.

@@ -5,11 +5,11 @@ mod target;
 
 use ash::vk;
 
-use super::pipeline::{Family, Pipelines};
-use super::shader::{Module, Specialization, shared};
+use super::pipeline::{Family, Pipelines, gbuffer_constants};
+use super::shader::{Module, Specialization, shared, shared_names};
 use super::{Device, Owned, PipelineCache};
 use crate::Result;
-use crate::plan::{Plan, PostKind, PostPass};
+use crate::plan::{Plan, PostKind, PostPass, PostPlace};
 pub(super) use pipelines::places;
 use pipelines::{pipeline, render_pass, sampler};
 pub(super) use target::PostTarget;
@@ -37,6 +37,9 @@ pub(super) struct PostParts {
 
 impl PostParts {
     pub(super) fn of(plan: &Plan, pass: &PostPass) -> Self {
+        if pass.kind == PostKind::EdgeFilter {
+            return Self::of_edge_filter(plan, pass);
+        }
         let bindings: Vec<_> = (const { shared("BINDING_POST_COLOR") }..).take(pass.samples.len()).collect();
         let bits = bindings.iter().fold(0, |bits, b| bits | 1 << b);
         let step = match pass.kind {
@@ -50,6 +53,32 @@ impl PostParts {
             bindings,
             fragment: Module::Bloom,
             constants: Specialization::bloom(step, displayed.then_some(plan.options.tonemap)),
+        }
+    }
+
+    /// The picture comes first; depth and normals are where stages of the frame's own find them.
+    fn of_edge_filter(plan: &Plan, pass: &PostPass) -> Self {
+        let attachment = |place: &PostPlace| match place {
+            PostPlace::Attachment(a) => Some(&plan.attachments[*a]),
+            _ => None,
+        };
+        let sampled = pass.samples.iter().skip(1).filter_map(attachment);
+        let binding = |name: &str, is_depth: bool| match is_depth {
+            true => const { shared("INPUT_DEPTH") },
+            false => {
+                let name = name.to_uppercase();
+                shared_names("INPUT_").find(|(known, _)| *known == name).map_or(0, |(_, number)| number)
+            }
+        };
+        let inputs = sampled.clone().map(|a| binding(&a.name, a.format.is_depth()));
+        let bindings: Vec<_> = [const { shared("BINDING_EDGE_COLOR") }].into_iter().chain(inputs).collect();
+        let bits = bindings.iter().fold(0, |bits, b| bits | 1 << b);
+        let step = sampled.map(|a| a.format.depth_step()).fold(0.0, f32::max);
+        Self {
+            family: Family::of_post(bits, true),
+            bindings,
+            fragment: Module::EdgeFilter,
+            constants: gbuffer_constants(plan).specialization().and(Specialization::edge_filter(step)),
         }
     }
 }

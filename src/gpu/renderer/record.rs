@@ -124,13 +124,17 @@ impl Frame<'_> {
     /// Draws what is not surfaces: over the whole image, or lights' volumes.
     fn draw_whole(&mut self, stage: usize) {
         let plan = &self.renderer.plan;
+        if plan.subpass(stage).2.name == "decals" {
+            return self.draw_decals(stage);
+        }
         let of_stage =
             plan.pipelines.iter().enumerate().filter(|(_, (s, p))| *s == stage && !p.is_of_surfaces());
         for (index, (_, pipeline)) in of_stage {
             match pipeline {
                 Pipeline::LightVolume(shape) => self.draw_volumes(stage, index, *shape),
                 // Drawn in turns with the volumes between them.
-                Pipeline::LightMask(_) | Pipeline::EdgeVolume(_) => {}
+                Pipeline::LightMask(_) | Pipeline::EdgeVolume(_) | Pipeline::ShadowVolume => {}
+                Pipeline::ShadowedLight => self.draw_shadowed_lights(stage, index),
                 _ => self.counted(stage, index, None, |frame| {
                     frame.bind_with_inputs(stage, index);
                     frame.draw_generated(3, 0..1);
@@ -179,7 +183,7 @@ impl Frame<'_> {
     }
 
     /// Draws without vertex buffers.
-    fn draw_generated(&mut self, vertices: u32, instances: Range<u32>) {
+    pub(super) fn draw_generated(&mut self, vertices: u32, instances: Range<u32>) {
         let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
         // SAFETY: the bound pipeline makes its vertices from their indices.
         unsafe { device.cmd_draw(raw, vertices, instances.len() as u32, 0, instances.start) };
@@ -188,7 +192,7 @@ impl Frame<'_> {
     }
 
     /// Binds a pipeline, the frame's buffers and the stage's input attachments.
-    fn bind_with_inputs(&mut self, stage: usize, index: usize) {
+    pub(super) fn bind_with_inputs(&mut self, stage: usize, index: usize) {
         let layout = self.bind_pipeline(index);
         if let Some(inputs) = self.target.inputs(self.output, stage) {
             self.bind_set(layout, 1, inputs);
@@ -248,7 +252,7 @@ impl Frame<'_> {
     }
 
     /// Draws, and counts the fragments if that is asked for.
-    fn counted(
+    pub(super) fn counted(
         &mut self,
         stage: usize,
         pipeline: usize,
@@ -293,7 +297,7 @@ impl Frame<'_> {
     }
 
     /// Binds the n-th of `Plan::pipelines` and what its frame has once.
-    fn bind_pipeline(&mut self, index: usize) -> vk::PipelineLayout {
+    pub(super) fn bind_pipeline(&mut self, index: usize) -> vk::PipelineLayout {
         let Renderer { pipelines, scene, .. } = self.renderer;
         let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
         let pipeline = pipelines.pipelines[index].raw();
@@ -316,7 +320,7 @@ impl Frame<'_> {
         layout
     }
 
-    fn bind_set(&mut self, layout: vk::PipelineLayout, index: u32, set: vk::DescriptorSet) {
+    pub(super) fn bind_set(&mut self, layout: vk::PipelineLayout, index: u32, set: vk::DescriptorSet) {
         let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
         let point = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: the set was allocated with the layout's n-th set layout, and all its bindings are written.

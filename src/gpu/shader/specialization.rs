@@ -1,12 +1,19 @@
 //! Specialisation constants: what a pipeline knows when it is compiled.
 
+mod decals;
+mod shadow_filter;
+
 use glam::Vec3;
 
+use super::post_constants::curve;
 use super::{KIND_COUNT, shared};
 use crate::plan::{
     Around, BloomWay, Brdf, DepthStore, Form, GBuffer, Gamma, Normals, ResolveWay, ShadowFilter, Tonemap,
 };
 use crate::scene::Fog;
+
+pub use decals::DecalConstants;
+use shadow_filter::shadow_filter;
 
 /// Values for specialisation constants: `data[i]` is that of constant `ids[i]`.
 ///
@@ -31,15 +38,6 @@ impl Specialization {
     /// The constant of [`super::Module::LightVolume`]: one of the numbers `VOLUME_*` of `glsl/shared.h`.
     pub fn volume(shape: u32) -> Self {
         Self::from_pairs(&[(const { shared("ID_VOLUME_SHAPE") }, shape)])
-    }
-
-    /// The constants of [`super::Module::Bloom`]: one of the numbers `BLOOM_STEP_*`, and the curve to undo, if any.
-    pub fn bloom(step: u32, displayed: Option<Tonemap>) -> Self {
-        Self::from_pairs(&[
-            (const { shared("ID_BLOOM_STEP") }, step),
-            (const { shared("ID_BLOOM_DISPLAYED") }, displayed.is_some().into()),
-            (const { shared("ID_TONEMAP") }, displayed.map_or(0, curve)),
-        ])
     }
 
     /// The constant of all modules that evaluate reflection.
@@ -185,6 +183,8 @@ pub struct LightingConstants {
     pub globe_maps: bool,
     /// How shadow maps are sampled, where lights have them.
     pub shadow_filter: Option<ShadowFilter>,
+    /// Lights with shadow volumes are left out.
+    pub shadow_volumes: bool,
     /// Lighting writes the output itself, as [`OutputConstants`] say; else it adds to the light target.
     pub fold: bool,
 }
@@ -200,6 +200,17 @@ impl LightingConstants {
     pub fn one_local(self, shadows: bool) -> Self {
         let shadow_filter = self.shadow_filter.filter(|_| shadows);
         Self { scan: LightLoop::One, has_directional: false, has_hemisphere: false, shadow_filter, ..self }
+    }
+
+    /// For one light of any kind, whose shadow was counted.
+    pub fn one_counted(self) -> Self {
+        Self {
+            scan: LightLoop::One,
+            has_hemisphere: false,
+            shadow_filter: None,
+            shadow_volumes: false,
+            ..self
+        }
     }
 
     /// Whether there are lights that are listed in a buffer: all but hemispheres.
@@ -221,26 +232,9 @@ impl LightingConstants {
             (const { shared("ID_GLOBE_MAPS") }, self.globe_maps.into()),
             (const { shared("ID_SHADOWS") }, self.shadow_filter.is_some().into()),
             (const { shared("ID_SHADOW_FILTER") }, self.shadow_filter.map_or(0, shadow_filter)),
+            (const { shared("ID_SHADOW_VOLUMES") }, self.shadow_volumes.into()),
             (const { shared("ID_FOLD") }, self.fold.into()),
         ])
-    }
-}
-
-fn curve(tonemap: Tonemap) -> u32 {
-    match tonemap {
-        Tonemap::Neutral => const { shared("TONEMAP_NEUTRAL") },
-        Tonemap::Aces => const { shared("TONEMAP_ACES") },
-        Tonemap::Reinhard => const { shared("TONEMAP_REINHARD") },
-        Tonemap::Linear => const { shared("TONEMAP_LINEAR") },
-    }
-}
-
-fn shadow_filter(filter: ShadowFilter) -> u32 {
-    match filter {
-        ShadowFilter::Hardware => const { shared("SHADOW_FILTER_HARDWARE") },
-        ShadowFilter::Grid3 => const { shared("SHADOW_FILTER_GRID3") },
-        ShadowFilter::Grid5 => const { shared("SHADOW_FILTER_GRID5") },
-        ShadowFilter::Jittered => const { shared("SHADOW_FILTER_JITTERED") },
     }
 }
 

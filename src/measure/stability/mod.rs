@@ -10,6 +10,7 @@
 
 mod bench;
 mod colour;
+mod decals;
 mod depth;
 mod geometry;
 mod inputs;
@@ -77,6 +78,7 @@ impl Sweep {
         shadows::ACNE,
         shadows::PANNING,
         shadows::SHIMMER,
+        decals::DECALS,
         samples::EDGES,
         samples::RESOLVE,
     ];

@@ -1,9 +1,10 @@
 //! Surfaces that are lit once all are known, from a G-buffer.
 
+use super::decals;
 use super::depth::Depth;
 use super::{Asked, Frame, Stage, Use, added_light, translucency};
 use crate::plan::layout::{LightPlace, Target, Tells};
-use crate::plan::{Edges, Format, LightWay};
+use crate::plan::{Edges, Format};
 
 /// Where triangles cover a part of a pixel.
 const EDGE: Target = Target {
@@ -18,7 +19,7 @@ const EDGE: Target = Target {
 /// Geometry, lighting and, where light is summed before it, the tone curve. `lit` is the first lit material.
 pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
     let Asked { needs, options, gbuffer, way, edges, .. } = *asked;
-    let one_by_one = way.is_one_by_one();
+    let one_by_one = asked.one_by_one();
     let in_gbuffer = matches!(gbuffer.light, LightPlace::Read(_));
     let light_read = in_gbuffer && (one_by_one || !needs.prelit.is_empty());
     let folded = match gbuffer.light {
@@ -125,7 +126,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
         ),
     };
     let marks_edges = edges != Edges::All;
-    let test = if way == LightWay::Stencil || marks_edges { Use::Stencil } else { Use::DepthTest };
+    let test = if asked.has_stencil() || marks_edges { Use::Stencil } else { Use::DepthTest };
     let test = depth.resource.filter(|_| one_by_one || marks_edges).map(|depth| (depth, test));
     let depth_read = depth.resource.filter(|_| depth.is_read);
     let how = |r: &usize| (*r, if modified.contains(r) { Use::Modify } else { Use::Read });
@@ -140,7 +141,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
         why: format!(
             "{}{}{}",
             asked.lights(),
-            match (one_by_one, in_gbuffer) {
+            match (way.is_one_by_one(), in_gbuffer) {
                 (true, true) => ", each where its volume is, added in the shader in the order of drawing",
                 (true, false) => ", each where its volume is",
                 (false, _) => "",
@@ -171,7 +172,8 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
             "light from several stages was summed".into()
         },
     });
-    frame.stages.extend([geometry, lighting]);
+    let decals = decals::stage(frame, asked, depth, &surface);
+    frame.stages.extend([Some(geometry), decals, Some(lighting)].into_iter().flatten());
     // Of eight words the first four hold the position.
     let of_fog: Vec<_> = of_fog.into_iter().filter(|&r| frame.resources[r].name != "more_words").collect();
     translucency::add(frame, asked, &lights_added, depth, &of_fog);

@@ -16,8 +16,8 @@ pub(super) struct Depth {
 
 /// Adds them where something needs them.
 pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
-    let Asked { needs, options, gbuffer, path, way, edges, depth_stencil } = *asked;
-    let one_by_one = way.is_one_by_one();
+    let Asked { needs, options, gbuffer, path, way, edges, depth_stencil, by_volume, .. } = *asked;
+    let one_by_one = asked.one_by_one();
     let opaque = needs.opaque_triangles();
     let before_sky = needs.sky && opaque > 0;
     let hides = opaque > 1 || (opaque == 1 && needs.blended.is_some());
@@ -26,7 +26,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
     if !(hides || one_by_one || before_sky || is_read || marks_edges || options.edge_filter) {
         return Depth { resource: None, drawn: None, is_read };
     }
-    let stencil = way == LightWay::Stencil || marks_edges;
+    let stencil = asked.has_stencil() || marks_edges;
     let target = Target {
         name: match (is_read, stencil) {
             (true, _) => "depth",
@@ -44,6 +44,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
                 "reversed device depth, 0 is far; stencil: 1 bit edges, 7 surfaces in a light's volume"
             }
             (true, _) => "reversed device depth, 0 is far; stencil: edges",
+            _ if by_volume => "reversed device depth, 0 is far; stencil: spaces in shadow around a surface",
             _ if stencil => "reversed device depth, 0 is far; stencil: surfaces in a light's volume",
             _ => "reversed device depth, 0 is far",
         },
@@ -54,7 +55,8 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
     let mut why = Vec::new();
     why.extend(hides.then(|| format!("{} triangles hide each other", needs.triangles)));
     why.extend(is_read.then(|| "lighting reads it".into()));
-    why.extend(one_by_one.then(|| "a light's volume is tested against it".into()));
+    why.extend(way.is_one_by_one().then(|| "a light's volume is tested against it".into()));
+    why.extend(by_volume.then(|| "shadow volumes are tested against it".into()));
     why.extend(marks_edges.then(|| "edges are marked beside it".into()));
     why.extend(before_sky.then(|| "the sky is behind them".into()));
     let depth = frame.add_target(&target, options.keep_gbuffer && is_read, why.join("; "));

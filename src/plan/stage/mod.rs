@@ -1,5 +1,6 @@
 //! The stages of a frame and the resources that they exchange, before anything is placed in memory.
 
+mod decals;
 mod deferred;
 mod depth;
 mod forward;
@@ -11,7 +12,7 @@ pub(super) use samples::add as multisample;
 pub use translucency::{FOG, LAYERS, NAME as TRANSLUCENCY, PEEL};
 
 use super::layout::{GBuffer, LightTarget, Target};
-use super::{Edges, Format, LightWay, Needs, Options, Path, ResolveWay};
+use super::{DecalWay, Edges, Format, LightWay, Needs, Options, Path, ResolveWay};
 
 /// Something that stages write and read, one value a sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,12 +55,17 @@ pub enum Use {
     Modify,
     /// The mean of the samples of the colour output before it in the stage's uses, made when the stage ends.
     Resolve,
+    /// The same, but what overlaps is drawn with a barrier in between.
+    Rewrite,
 }
 
 impl Use {
     /// Whether earlier content matters.
     pub const fn reads(self) -> bool {
-        matches!(self, Self::Blend | Self::Read | Self::DepthTest | Self::Stencil | Self::Modify)
+        matches!(
+            self,
+            Self::Blend | Self::Read | Self::DepthTest | Self::Stencil | Self::Modify | Self::Rewrite
+        )
     }
 
     /// Whether content changes.
@@ -97,14 +103,16 @@ impl Frame {
     pub const OUTPUT: usize = 0;
 
     /// The least number of stages and resources that give the picture on this path and in this way, none of which is
-    /// `Auto`. The format is for depth where the way needs a stencil.
+    /// `Auto`. The format is for depth where the way or shadow volumes (`by_volume`) need a stencil; `decals` is how they are
+    /// ordered, where there are any.
     pub fn new(
         needs: &Needs,
         options: &Options,
         gbuffer: &GBuffer,
         path: Path,
-        (way, edges): (LightWay, Edges),
+        (way, edges, by_volume): (LightWay, Edges, bool),
         depth_stencil: Format,
+        decals: Option<DecalWay>,
     ) -> Self {
         let mut frame = Self {
             resources: vec![Resource {
@@ -121,7 +129,7 @@ impl Frame {
             folded: false,
             clears: Vec::new(),
         };
-        let asked = Asked { needs, options, gbuffer, path, way, edges, depth_stencil };
+        let asked = Asked { needs, options, gbuffer, path, way, edges, depth_stencil, by_volume, decals };
         let depth = depth::add(&mut frame, &asked);
         match (&needs.lit_opaque, path) {
             (Some(lit), Path::Deferred) => deferred::add(&mut frame, &asked, &depth, lit),
@@ -181,11 +189,24 @@ struct Asked<'a> {
     way: LightWay,
     edges: Edges,
     depth_stencil: Format,
+    /// Some lights' shadows are counted in the stencil.
+    by_volume: bool,
+    decals: Option<DecalWay>,
 }
 
 impl Asked<'_> {
     /// What a light target holds where background and surfaces are told apart.
     const LIGHT_AND_BACKGROUND: &'static str = "rgb: exposed light / range, a: 0 background, 1 surface";
+
+    /// Whether lights are added one after the other.
+    fn one_by_one(&self) -> bool {
+        self.way.is_one_by_one() || self.by_volume
+    }
+
+    /// Whether lighting counts in the stencil.
+    fn has_stencil(&self) -> bool {
+        self.way == LightWay::Stencil || self.by_volume
+    }
 
     /// The scene's lights in words.
     fn lights(&self) -> String {

@@ -10,8 +10,8 @@ use super::document::Document;
 use crate::{Error, Result};
 
 /// What may be said of nodes, of those with lights in part: [`super::light`], [`super::around`],
-/// [`super::environment`].
-pub const OF_NODES: [&str; 10] = [
+/// [`super::environment`], [`super::decal`].
+pub const OF_NODES: [&str; 11] = [
     "shadow",
     "dynamic",
     "priority",
@@ -22,6 +22,7 @@ pub const OF_NODES: [&str; 10] = [
     "baked",
     "lightmap",
     "probe",
+    "decal",
 ];
 
 /// What may be said of scenes (`scenes[i].extras.ontile`): [`super::environment`], [`super::around`].

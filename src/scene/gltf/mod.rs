@@ -6,6 +6,7 @@
 
 mod accessor;
 mod around;
+mod decal;
 mod defaults;
 mod document;
 pub(crate) mod edit;
@@ -83,6 +84,7 @@ fn load(doc: &Document) -> Result<Scene> {
     let mut materials = Materials::default();
     read_meshes(doc, &tree, &mut scene, &mut materials)?;
     scene.lights = light::read_lights(doc, &tree, &mut materials)?;
+    scene.decals = decal::read_decals(doc, &tree, &mut materials)?;
     scene.images = image::decode_all(doc, &materials.images)?;
     scene.materials = materials.materials;
     scene.textures = materials.textures;

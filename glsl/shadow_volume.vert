@@ -1,0 +1,95 @@
+#version 450
+// The walls and ends of the space behind what faces a light (src/visible/silhouette.rs): for each edge of a mesh a wall that goes on
+// for ever where one of its sides faces the light, for each triangle that does its own place and its image at an infinite distance.
+// What is not there collapses to a point.
+#extension GL_GOOGLE_include_directive : require
+#include "common.glsl"
+#include "frame.glsl"
+
+// Places (xyz as floats), triangles (three places) and edges (from, to, triangle, triangle) of all casters.
+layout(set = SET_FRAME, binding = BINDING_CASTERS, std430) readonly buffer Casters {
+    uvec4 casters[];
+};
+
+struct Instance {
+    vec4 world_from_object_rows[3];
+};
+
+layout(set = SET_FRAME, binding = BINDING_CASTER_INSTANCES, std430) readonly buffer CasterInstances {
+    Instance list[];
+} caster_instances;
+
+// Mirrors VolumePush in src/gpu/shared.rs.
+layout(push_constant, std430) uniform VolumePush {
+    vec4 light;         // place, world, and 1; the way towards a directional light, and 0
+    uint first_place;   // where the mesh's are among `casters`
+    uint first_triangle;
+    uint first_edge;
+    uint edge_vertices; // six an edge; those of triangles follow
+    uint turned;        // 1: triangles are clockwise from the front
+    uint unused[3];
+} push;
+
+// Surfaces are at the same places to the bit (geometry.vert).
+out gl_PerVertex {
+    invariant vec4 gl_Position;
+};
+
+const uint NO_TRIANGLE = 0xffffffffu;
+
+vec3 place_world(uint place) {
+    vec4 row0 = caster_instances.list[gl_InstanceIndex].world_from_object_rows[0];
+    vec4 row1 = caster_instances.list[gl_InstanceIndex].world_from_object_rows[1];
+    vec4 row2 = caster_instances.list[gl_InstanceIndex].world_from_object_rows[2];
+    vec4 position = vec4(uintBitsToFloat(casters[push.first_place + place].xyz), 1.0);
+    return vec3(dot(row0, position), dot(row1, position), dot(row2, position));
+}
+
+// From the same three places in the same order whoever asks, so that a triangle's walls agree with its ends.
+bool faces_light(uint triangle) {
+    uvec4 places = casters[push.first_triangle + triangle];
+    vec3 a = place_world(places.x);
+    vec3 b = place_world(places.y);
+    vec3 c = place_world(places.z);
+    vec3 to_light = push.light.xyz - a * push.light.w;
+    precise float side = dot(cross(b - a, c - a), to_light);
+    return (side > 0.0) != (push.turned != 0u);
+}
+
+// The place, or where light that passes it goes.
+vec4 clip_place(uint place, bool at_infinity) {
+    vec3 position = place_world(place);
+    if (at_infinity) {
+        return frame.clip_from_world * vec4(position * push.light.w - push.light.xyz, 0.0);
+    }
+    return frame.clip_from_world * vec4(position, 1.0);
+}
+
+void main() {
+    uint vertex = uint(gl_VertexIndex);
+    bool turned = push.turned != 0u;
+    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
+    if (vertex < push.edge_vertices) {
+        uvec4 edge = casters[push.first_edge + vertex / 6u];
+        bool first = faces_light(edge.z);
+        bool second = edge.w != NO_TRIANGLE && faces_light(edge.w);
+        if (first != second) {
+            // Counter-clockwise from outside: from, from at infinity, to at infinity; from, to at infinity, to.
+            const uint ends[6] = uint[](0u, 2u, 3u, 0u, 3u, 1u);
+            uint end = ends[vertex % 6u];
+            bool is_to = ((end & 1u) != 0u) != (first == turned);
+            gl_Position = clip_place(is_to ? edge.y : edge.x, end >= 2u);
+        }
+        return;
+    }
+    uint triangle = (vertex - push.edge_vertices) / 6u;
+    if (faces_light(triangle)) {
+        uvec4 places = casters[push.first_triangle + triangle];
+        uint corner = vertex % 6u;
+        // The near end as it is seen from the light, the far end the other way round.
+        bool is_far = corner >= 3u;
+        uint at = corner % 3u;
+        at = is_far != turned && at != 0u ? 3u - at : at;
+        gl_Position = clip_place(places[at], is_far);
+    }
+}
