@@ -134,7 +134,7 @@ fn names_are_unique() {
     assert_eq!(all.iter().map(|m| m.name()).collect::<BTreeSet<_>>().len(), all.len());
 }
 
-fn blocks() -> [Block; 11] {
+fn blocks() -> [Block; 12] {
     [
         block!(
             "Frame" = FrameUniforms {

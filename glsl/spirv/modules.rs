@@ -2,6 +2,9 @@
 embed![
     "base.frag",
     "bloom.frag",
+    "decal.frag",
+    "decal.vert",
+    "decal_samples.frag",
     "edge_filter.frag",
     "edges.frag",
     "fog.frag",
