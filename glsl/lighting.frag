@@ -16,6 +16,11 @@
 layout(constant_id = ID_FOLD) const bool FOLD = false;
 layout(constant_id = ID_ONE_LIGHT) const bool ONE_LIGHT = false;
 
+#ifdef MULTISAMPLED
+// The stencil says which pixels are lit by sample: not after they were.
+layout(early_fragment_tests) in;
+#endif
+
 layout(location = VARYING_LIGHT) flat in uint varying_light;
 
 layout(location = TARGET_LIGHT) out vec4 target_light;

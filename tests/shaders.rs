@@ -2,6 +2,8 @@
 //!
 //! Each check returns the problems it finds, so that a tampered input shows that it can find any.
 
+#[path = "shaders/blocks.rs"]
+mod blocks;
 mod common;
 #[path = "shaders/pipelines.rs"]
 mod pipelines;
@@ -10,16 +12,13 @@ mod reflect;
 #[path = "../tools/shader_manifest.rs"]
 mod shader_manifest;
 
+use blocks::blocks;
 use ontile::gpu::shader::{
     DecalConstants, GBufferConstants, GeometryConstants, KIND_COUNT, LightingConstants, Module,
     OutputConstants, SampleConstants, Specialization, embedded_names, prune, shared,
 };
-use ontile::gpu::shared::{
-    ClusterGrid, DecalData, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush,
-    MaterialData, ProbeData, ShadowPush, ShadowViewData, VolumePush,
-};
-use ontile::plan::{BloomWay, Brdf, GBuffer, ResolveWay, Tonemap};
-use reflect::{Block, Reflection, block};
+use ontile::plan::{BloomWay, Brdf, GBuffer, ResolveWay, Tonemap, Translucency};
+use reflect::Reflection;
 use rspirv::dr::Operand;
 use rspirv::spirv::{Decoration, Op};
 use shader_manifest::{Manifest, sha256};
@@ -132,80 +131,6 @@ fn stale_modules_are_reported() {
 fn names_are_unique() {
     let all = Module::ALL;
     assert_eq!(all.iter().map(|m| m.name()).collect::<BTreeSet<_>>().len(), all.len());
-}
-
-fn blocks() -> [Block; 12] {
-    [
-        block!(
-            "Frame" = FrameUniforms {
-                clip_from_world,
-                camera_position_world,
-                right_world,
-                down_world,
-                forward_world,
-                distance_from_depth,
-                inverse_size,
-                exposure,
-                light_scale,
-                ambient_nt,
-                light_counts,
-                hemispheres,
-                bloom,
-            }
-        ),
-        block!("Instance" = InstanceData { world_from_object_rows }),
-        block!(
-            "Material" = MaterialData {
-                base_color_factor,
-                emissive_factor_alpha_cutoff,
-                metallic_factor,
-                roughness_factor,
-                normal_scale,
-                occlusion_strength,
-                uv_rows,
-            }
-        ),
-        block!(
-            "Light" = LightData {
-                place,
-                intensity,
-                edge,
-                direction_world,
-                spot_offset,
-                up_world,
-                globe_rotation,
-                back_intensity,
-                shadow,
-                half_size,
-                globe_map,
-            }
-        ),
-        block!("LightPush" = LightPush { light }),
-        block!(
-            "VolumePush" =
-                VolumePush { light, first_place, first_triangle, first_edge, edge_vertices, turned, unused }
-        ),
-        block!("ClusterGrid" = ClusterGrid { tile_shift, columns, rows, slices, slice_scale, slice_bias }),
-        block!(
-            "ShadowView" =
-                ShadowViewData { map_from_world, tile, texel_m, spread_texels, offset_texels, lift_texels }
-        ),
-        block!("ShadowPush" = ShadowPush { clip_from_world, nearest_depth }),
-        block!("Probe" = ProbeData { probe_from_world_rows, half_size, falloff, rotation, scale, padding }),
-        block!("Environment" = EnvironmentUniforms { irradiance, rotation, scale, last_level }),
-        block!(
-            "Decal" = DecalData {
-                world_from_decal_rows,
-                decal_from_world_rows,
-                opacity,
-                inverse_falloff,
-                handedness,
-                facing,
-                whole_image,
-                padding,
-            }
-        ),
-    ]
 }
 
 #[test]
@@ -339,6 +264,8 @@ fn every_constant() -> Specialization {
         .and(DecalConstants::default().specialization())
         .and(every_constant_of_bloom())
         .and(Specialization::edge_filter(0.0))
+        .and(Specialization::translucency(Translucency::Oit, 4, true))
+        .and(Specialization::peel(true))
 }
 
 #[test]

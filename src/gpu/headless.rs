@@ -253,7 +253,9 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
         khr::depth_stencil_resolve::NAME,
         khr::create_renderpass2::NAME,
     ];
-    let rendering = rendering.iter().filter(|_| caps.local_read);
+    // Not where it would crash.
+    let has_local_read = caps.limits().merging.local_read.is_ok();
+    let rendering = rendering.iter().filter(|_| has_local_read);
     let feedback = [ext::subpass_merge_feedback::NAME, khr::create_renderpass2::NAME];
     let feedback = feedback.iter().filter(|_| caps.subpass_merge_feedback);
     let mut extensions: Vec<_> = order.iter().chain(rendering).chain(feedback).copied().collect();
@@ -270,7 +272,7 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
         .enabled_extension_names(&extensions)
         .enabled_features(&features);
     let info = if order.is_some() { info.push_next(&mut ordered_access) } else { info };
-    let info = match caps.local_read {
+    let info = match has_local_read {
         true => info.push_next(&mut local_read).push_next(&mut dynamic_rendering),
         false => info,
     };
@@ -297,7 +299,7 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
             image_cube_array: caps.image_cube_array,
             occlusion_precise: caps.occlusion_precise,
             ordered_attachment_access: order.is_some(),
-            local_read: caps.local_read,
+            local_read: has_local_read,
             subpass_merge_feedback: caps.subpass_merge_feedback,
             sample_rate_shading: caps.sample_rate_shading,
             depth_clamp: caps.depth_clamp,

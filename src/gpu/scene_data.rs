@@ -345,10 +345,9 @@ impl SceneData {
         let wanted: Vec<_> = keys
             .iter()
             .map(|(pipeline, _)| {
-                // Decals have input attachments before their material.
                 let layout = pipelines.layout_of(*pipeline);
-                let last = layout.sets.len() - 1;
-                (layout.sets[last].raw(), layout.bindings[last].as_slice())
+                let set = pipelines.families[*pipeline].material_set();
+                (layout.sets[set].raw(), layout.bindings[set].as_slice())
             })
             .collect();
         let Some(sets) = DescriptorSets::new(device, &wanted, "materials")? else { return Ok(()) };
@@ -434,9 +433,7 @@ fn texture_keys(scene: &Scene, plan: &Plan, batches: &[Batch], decals: &Decals) 
     let mut seen = Vec::new();
     for (pipeline, material) in used {
         for key in material_textures(scene, &material_kind(plan, pipeline), material) {
-            if !seen.contains(&key) {
-                seen.push(key);
-            }
+            seen.extend((!seen.contains(&key)).then_some(key));
         }
     }
     seen

@@ -170,7 +170,9 @@ fn pass(
     for touches in touches.values() {
         let depth = frame.resources[touches[0].resource].format.is_depth();
         dependencies.cover(touches, depth, frame.stages.iter().any(|stage| stage.name == super::stage::PEEL));
-        dependencies.rearrange(frame, touches, depth);
+        if !is_rendering {
+            dependencies.rearrange(frame, touches, depth);
+        }
     }
     let index_of =
         |resource| attachments.iter().position(|a| a.attachment == place_of(resource)).unwrap_or(0);

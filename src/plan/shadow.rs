@@ -110,8 +110,11 @@ impl ShadowNeeds {
             lit |= !kind.unlit;
             casters.extend(CasterKind::new(&kind, &scene.materials[material]));
         }
+        let material = |instance: &Instance| &scene.materials[scene.meshes[instance.mesh].material];
+        let casts = |instance: &Instance| material(instance).alpha_mode != AlphaMode::Blend;
+        let either = scene.triangles_of(|instance| casts(instance) || !material(instance).unlit);
         // A single triangle has nothing to cast its shadow on.
-        if !lit || casters.is_empty() || scene.triangle_count() < 2 {
+        if !lit || casters.is_empty() || either < 2 {
             return Self::default();
         }
         let bounds = scene.bounds_world();

@@ -283,6 +283,9 @@ impl Reflection {
     /// The names of shared.h that the module uses, and where its numbers differ from theirs.
     pub fn interface_problems(&self, numbers: &BTreeMap<String, u32>) -> (BTreeSet<String>, Vec<String>) {
         let (mut used, mut problems) = (BTreeSet::new(), Vec::new());
+        let has = |wanted: fn(&str) -> bool| self.variables().iter().any(|(name, ..)| wanted(name));
+        let has_material = has(|name| name == "material");
+        let reads_others = has(|name| name.starts_with("input_") && !name.starts_with("input_layer_"));
         let mut compare = |of: &str, what: &str, found: Option<u32>, name: String| {
             if found.is_none() || numbers.get(&name) != found.as_ref() {
                 problems.push(format!("{of}: {what} {found:?}, but {name} is {:?}", numbers.get(&name)));
@@ -296,8 +299,8 @@ impl Reflection {
                 compare(&name, "binding", decoration(Decoration::Binding), binding);
             };
             let upper = |prefix: &str| name.strip_prefix(prefix).map(|rest| rest.to_uppercase());
-            // Decals have input attachments where surfaces have their material.
-            let of_material = match self.has_input_attachments() {
+            // Decals have input attachments where surfaces have their material, and blended surfaces have theirs after it.
+            let of_material = match reads_others {
                 true => "SET_DECAL_MATERIAL",
                 false => "SET_MATERIAL",
             };
@@ -309,7 +312,8 @@ impl Reflection {
                 StorageClass::UniformConstant => match upper("input_") {
                     Some(input) => {
                         let input = format!("INPUT_{input}");
-                        resource("SET_INPUTS", input.clone());
+                        let of_surfaces = input.starts_with("INPUT_LAYER_") && has_material;
+                        resource(if of_surfaces { "SET_LAYERS" } else { "SET_INPUTS" }, input.clone());
                         // Later passes sample what was an input.
                         let index = decoration(Decoration::InputAttachmentIndex);
                         if index.is_some() {

@@ -212,6 +212,12 @@ impl Family {
         }
     }
 
+    /// The number of the set that holds the material, if one does: decals have input attachments before it.
+    pub(in crate::gpu) fn material_set(self) -> usize {
+        let decal = const { shared("SET_DECAL_MATERIAL") };
+        (if self.decal_textures.is_some() { decal } else { const { shared("SET_MATERIAL") } }) as usize
+    }
+
     /// The bindings of `SET_FRAME`: bit `n` is binding `n`. Families with the same ones share the set, and a set that is
     /// bound stays so while their pipelines take turns.
     pub(in crate::gpu) fn frame(self) -> u32 {

@@ -38,12 +38,14 @@ impl Dependencies {
     pub(super) fn rearrange(&mut self, frame: &Frame, touches: &[Touch], depth: bool) {
         for pair in touches.windows(2).filter(|pair| !pair.iter().any(Touch::writes)) {
             let [a, b] = [&pair[0], &pair[1]];
-            let ordered = self.0.contains_key(&(Some(a.subpass), Some(b.subpass)));
+            let (before, after) = (Access::of(&a.uses), Access::of(&b.uses));
+            let direct = self.0.get(&(Some(a.subpass), Some(b.subpass)));
+            let ordered =
+                direct.is_some_and(|d| d.before.is_superset(&before) && d.after.is_superset(&after));
             if State::of(&a.uses, depth) != State::of(&b.uses, depth) && !ordered {
                 let why =
                     format!("{} is read, then read in another layout", frame.resources[b.resource].name);
-                let before = Access::of(&a.uses);
-                self.add(Some(a.subpass), Some(b.subpass), (before, Access::of(&b.uses)), why);
+                self.add(Some(a.subpass), Some(b.subpass), (before, after), why);
             }
         }
     }
