@@ -101,6 +101,8 @@ pub fn expected_advice(plan: &Plan) -> Vec<&'static str> {
         (plan.passes.len() > 1 && plan.edges != Edges::All, "redundant-attachment-on-tile"),
         // What a stage clears because another used the attachment before could be cleared with its pass, were it alone in one.
         (plan.passes.iter().any(|pass| !pass.subpasses[0].clears.is_empty()), "ClearCmdBeforeDraw"),
+        // The same, of what an earlier pass stored.
+        (plan.passes.iter().any(|pass| !pass.subpasses[0].clears.is_empty()), "clear-after-load"),
         // A draw for each light and small object is the way of multi-pass shading, and one for each tile and small caster
         // that of shadow maps. (What can be drawn at once is.)
         (plan.path == Path::ForwardMultipass || plan.shadow_map.is_some(), "many-small-indexed-drawcalls"),
