@@ -195,6 +195,8 @@ fn interfaces_have_the_numbers_of_shared_h() {
     let unused: Vec<_> = numbers
         .keys()
         .filter(|name| interface.iter().any(|prefix| name.starts_with(prefix)) && !used.contains(*name))
+        // What stages read in its place has its number.
+        .filter(|name| !(name.starts_with("INPUT_") && numbers[*name] == numbers["INPUT_PEEL_A"]))
         .collect();
     assert!(unused.is_empty(), "no module has {unused:?}");
     for (name, number) in &numbers {

@@ -92,11 +92,10 @@ fn check_dependencies(
                 let is_last = users.last() == Some(&j);
                 let mut between = users.iter().filter(|&&k| i < k && k < j);
                 let ordered = between.any(|&k| writes(k) || (writes(i) && writes(j)));
-                // So does a change of layout between two reads that follow each other.
+                // So does a change of layout between reads.
                 let is_depth = frame.resources[place[0]].format.is_depth();
                 let state = |s: usize| State::of(&uses_in(s), is_depth);
-                let follows = !users.iter().any(|k| (i + 1..j).contains(k));
-                let changes = pass.enter.is_empty() && follows && state(i) != state(j);
+                let changes = pass.enter.is_empty() && state(i) != state(j);
                 if ordered || !(writes(i) || writes(j) || is_last || changes) {
                     continue;
                 }

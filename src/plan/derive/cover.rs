@@ -34,10 +34,12 @@ impl Dependencies {
         }
     }
 
-    /// Where a read follows a read, but in another state: the change between them is a write, and waits for the first.
+    /// Where reads follow each other, but in other states: the change between them is a write, and waits for those before it.
     pub(super) fn rearrange(&mut self, frame: &Frame, touches: &[Touch], depth: bool) {
-        for pair in touches.windows(2).filter(|pair| !pair.iter().any(Touch::writes)) {
-            let [a, b] = [&pair[0], &pair[1]];
+        let reads = touches.chunk_by(|a, b| !a.writes() && !b.writes());
+        let pairs = reads
+            .flat_map(|run| (1..run.len()).flat_map(move |b| run[..b].iter().map(move |a| [a, &run[b]])));
+        for [a, b] in pairs {
             let (before, after) = (Access::of(&a.uses), Access::of(&b.uses));
             let direct = self.0.get(&(Some(a.subpass), Some(b.subpass)));
             let ordered =
