@@ -88,7 +88,8 @@ fn decals_change_from_frame_to_frame() {
         assert_eq!(difference(&made, &after), None);
 
         let another = scene.decals[3].material - 1;
-        let wrong: [(usize, fn(&mut Decal, usize), &str); 5] = [
+        type Spoil = fn(&mut Decal, usize);
+        let wrong: [(usize, Spoil, &str); 5] = [
             (99, |_, _| (), "no decal 99"),
             (3, |d, _| d.channels.base_color = 1.0, "does not know"),
             (3, |d, another| d.material = another, "does not know"),

@@ -232,7 +232,8 @@ fn wrong_interfaces_are_reported() {
 fn every_constant_of_bloom() -> Specialization {
     let mut bloom = Specialization::bloom(0, None);
     let curve = bloom.ids.iter().position(|id| *id == shared("ID_TONEMAP")).expect("it may undo one");
-    (bloom.ids.remove(curve), bloom.data.remove(curve));
+    bloom.ids.remove(curve);
+    bloom.data.remove(curve);
     bloom
 }
 

@@ -95,8 +95,8 @@ impl Placed<'_> {
         };
         let color = material.base_color_factor.as_dvec4() * texel(0, Encoding::Srgb).unwrap_or(DVec4::ONE);
         let weight = weight * color.w;
-        // Negated, as there: what is no number paints nothing.
-        if !(weight > 0.0) {
+        // As there, what is no number paints nothing.
+        if weight.is_nan() || weight <= 0.0 {
             return None;
         }
         let [base_color, of_normal, roughness, metallic] =
