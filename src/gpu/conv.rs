@@ -138,3 +138,15 @@ pub fn format_features(u: Usage) -> vk::FormatFeatureFlags {
     ];
     flags.iter().filter(|(on, _)| *on).fold(vk::FormatFeatureFlags::empty(), |all, (_, flag)| all | *flag)
 }
+
+/// All of an area, and all depths.
+pub fn viewport(area: vk::Rect2D) -> vk::Viewport {
+    vk::Viewport {
+        x: area.offset.x as f32,
+        y: area.offset.y as f32,
+        width: area.extent.width as f32,
+        height: area.extent.height as f32,
+        min_depth: 0.0,
+        max_depth: 1.0,
+    }
+}

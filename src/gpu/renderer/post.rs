@@ -2,6 +2,7 @@
 
 use ash::vk;
 
+use super::super::conv;
 use super::super::post::{PostPasses, PostTarget};
 use super::record::Frame;
 use crate::plan::PostPass;
@@ -25,14 +26,6 @@ impl Frame<'_> {
             .render_pass(passes.pass(index))
             .framebuffer(target.framebuffer(self.output, index))
             .render_area(area);
-        let viewport = vk::Viewport {
-            x: 0.0,
-            y: 0.0,
-            width: extent.width as f32,
-            height: extent.height as f32,
-            min_depth: 0.0,
-            max_depth: 1.0,
-        };
         let family = passes.family(index);
         let layout = self.renderer.pipelines.layouts[&family].layout.raw();
         let own = target.set(self.output, index);
@@ -41,7 +34,7 @@ impl Frame<'_> {
         // SAFETY: framebuffer, pipeline and sets were made for this pass and its layout; all dynamic state is set.
         unsafe {
             device.cmd_begin_render_pass(raw, &info, vk::SubpassContents::INLINE);
-            device.cmd_set_viewport(raw, 0, &[viewport]);
+            device.cmd_set_viewport(raw, 0, &[conv::viewport(area)]);
             device.cmd_set_scissor(raw, 0, &[area]);
             device.cmd_bind_pipeline(raw, point, passes.pipeline(pass.kind));
             if family.frame() == 0 {

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use ash::vk;
 
+use super::super::conv;
 use super::super::fragments::{DrawnMesh, FragmentQueries};
 use super::super::objects::Batch;
 use super::super::scene_data::BoundMesh;
@@ -66,18 +67,10 @@ impl Frame<'_> {
         let extent = self.target.extent();
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
         self.renderer.passes[index].begin(self.recorder, self.target.pass(self.output, index), area);
-        let viewport = vk::Viewport {
-            x: 0.0,
-            y: 0.0,
-            width: extent.width as f32,
-            height: extent.height as f32,
-            min_depth: 0.0,
-            max_depth: 1.0,
-        };
         let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
         // SAFETY: the command buffer is recording.
         unsafe {
-            device.cmd_set_viewport(raw, 0, &[viewport]);
+            device.cmd_set_viewport(raw, 0, &[conv::viewport(area)]);
             device.cmd_set_scissor(raw, 0, &[area]);
         }
     }
