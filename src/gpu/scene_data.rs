@@ -1,5 +1,7 @@
 //! A scene on the device: buffers, textures, descriptor sets, and the order in which it is drawn.
 
+mod wanted;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
@@ -20,11 +22,13 @@ use super::pipeline::{Family, FamilyLayout, Pipelines};
 use super::shader::shared;
 use super::shadow::ShadowResources;
 use super::volume_casters::VolumeCasters;
-use super::{ColorEncoding, Device, Recorder, Streams, TextureKey, Textures, Upload, View};
+use super::{ColorEncoding, Device, Recorder, TextureKey, Textures, Upload, View};
 use crate::Result;
-use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind, VolumeShape};
+use crate::plan::{FrameCounts, Plan, StateChanges, VolumeShape};
 use crate::scene::{Changes, Scene};
 use crate::visible::Reach;
+use wanted::{material_kind, material_textures, streams, texture_keys};
+pub(super) use wanted::{surface, vertex_streams};
 
 /// A scene on the device.
 pub(super) struct SceneData {
@@ -395,65 +399,4 @@ pub(super) struct BoundMesh {
     group: Option<(usize, usize)>,
     /// Likewise.
     indices: Option<(usize, super::IndexWidth)>,
-}
-
-/// The kind of surface that a pipeline draws.
-pub(super) fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
-    match &plan.pipelines[pipeline].1 {
-        Pipeline::Surface(kind) => kind,
-        other => unreachable!("batches are made for surfaces, not for {other:?}"),
-    }
-}
-
-/// What each mesh's pipelines read. A mesh has one material, so its pipelines differ in winding only.
-fn streams(scene: &Scene, plan: &Plan, batches: &[Batch]) -> Vec<Option<Streams>> {
-    let mut streams = vec![None; scene.meshes.len()];
-    for batch in batches {
-        streams[batch.mesh] = Some(vertex_streams(surface(plan, batch.pipeline)));
-    }
-    streams
-}
-
-/// The vertex attributes that a kind of surface reads.
-pub(super) fn vertex_streams(kind: &SurfaceKind) -> Streams {
-    Streams {
-        normals: !kind.unlit,
-        tangents: kind.needs_tangents(),
-        texcoords: kind.texcoord_sets(),
-        colors: kind.vertex_color,
-    }
-}
-
-/// The textures of a material in the order of its descriptors.
-fn material_textures<'a>(
-    scene: &'a Scene,
-    kind: &'a SurfaceKind,
-    material: usize,
-) -> impl Iterator<Item = TextureKey> + 'a {
-    let textures = SurfaceKind::textures_of(&scene.materials[material]);
-    (0..SLOTS.len()).filter(|&slot| kind.samples(slot)).map(move |slot| TextureKey {
-        texture: textures[slot].expect("only present textures are sampled").texture,
-        encoding: if SurfaceKind::is_srgb(slot) { ColorEncoding::Srgb } else { ColorEncoding::Linear },
-    })
-}
-
-/// Every texture that some pipeline samples, once.
-fn texture_keys(scene: &Scene, plan: &Plan, batches: &[Batch], decals: &Decals) -> Vec<TextureKey> {
-    let of_objects = batches.iter().map(|b| (b.pipeline, b.material));
-    let used: BTreeSet<(usize, usize)> = of_objects.chain(decals.materials()).collect();
-    let mut seen = Vec::new();
-    for (pipeline, material) in used {
-        for key in material_textures(scene, &material_kind(plan, pipeline), material) {
-            seen.extend((!seen.contains(&key)).then_some(key));
-        }
-    }
-    seen
-}
-
-/// How a pipeline that has a material uses it.
-fn material_kind(plan: &Plan, pipeline: usize) -> SurfaceKind {
-    match &plan.pipelines[pipeline].1 {
-        Pipeline::Decal(kind) => kind.surface(),
-        _ => *surface(plan, pipeline),
-    }
 }
