@@ -268,6 +268,16 @@ impl Renderer {
         self.passes.iter().filter_map(VulkanPass::merge_report).cloned().collect()
     }
 
+    /// How many frames the host may have on the GPU at a time: slots are below.
+    pub fn frames_in_flight(&self) -> usize {
+        self.config.frames_in_flight.max(1)
+    }
+
+    /// Whether frames can be recorded to a target: it is of [`Self::create_target`], after the last update that asked for new ones.
+    pub fn created(&self, target: &Target) -> bool {
+        target.is_of(&self.passes)
+    }
+
     /// What the last [`Self::record`] recorded.
     pub fn recorded(&self) -> Recorded {
         self.recorded
@@ -376,7 +386,7 @@ impl Renderer {
         view: &View<'_>,
     ) {
         assert!(
-            target.is_of(&self.passes),
+            self.created(target),
             "the target was created by another renderer, or before an update that asked for new targets"
         );
         self.retired.recording(slot);

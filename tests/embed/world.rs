@@ -117,11 +117,11 @@ const STEPS: [Step; 17] = [
     ("and is back, with ambient light", Makes::Targets, |world, _| {
         let id = world.ids::<Instance>().nth(1).unwrap();
         world.set(id, Instance { hidden: false, ..*world.get(id).unwrap() }).unwrap();
-        world.set_ambient(vec3(0.1, 0.05, 0.2));
+        world.set_ambient(vec3(0.1, 0.05, 0.2)).unwrap();
     }),
     ("fog and a background", Makes::Targets, |world, _| {
-        world.set_fog(Some(Fog { color_nt: vec3(0.2, 0.2, 0.3), density_per_m: 0.1, height: None }));
-        world.set_background(Background::Color(vec3(0.1, 0.2, 0.1)));
+        world.set_fog(Some(Fog { color_nt: vec3(0.2, 0.2, 0.3), density_per_m: 0.1, height: None })).unwrap();
+        world.set_background(Background::Color(vec3(0.1, 0.2, 0.1))).unwrap();
     }),
     ("the sun casts shadows", Makes::Pipelines, |world, _| {
         let id = world.ids::<Light>().last().unwrap();
