@@ -46,7 +46,7 @@ pub struct OntileTextureRef {
 }
 
 /// What alpha does.
-#[repr(u32)]
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OntileAlphaMode {
     /// Nothing.
@@ -110,7 +110,7 @@ pub struct OntileImage {
 }
 
 /// What lies beyond a picture's edges.
-#[repr(u32)]
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OntileWrap {
     /// The picture again.
@@ -122,7 +122,7 @@ pub enum OntileWrap {
 }
 
 /// How mip levels are used.
-#[repr(u32)]
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OntileMips {
     /// Level 0 alone.
@@ -166,7 +166,7 @@ pub struct OntileInstance {
 }
 
 /// What a light is.
-#[repr(u32)]
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OntileLightKind {
     /// Infinitely far; intensity in lux.
@@ -182,7 +182,7 @@ pub enum OntileLightKind {
 }
 
 /// How a light casts shadows.
-#[repr(u32)]
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OntileShadow {
     /// Not at all.
@@ -248,7 +248,7 @@ pub struct OntileDecal {
 }
 
 /// How view space becomes an image.
-#[repr(u32)]
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OntileProjection {
     /// Pinhole.

@@ -18,7 +18,7 @@ pub struct OntileWorld {
 }
 
 /// The kinds of elements.
-#[repr(u32)]
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OntileKind {
     /// OntileMesh.

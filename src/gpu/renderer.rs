@@ -173,8 +173,7 @@ impl Renderer {
             &pipelines,
             resources.as_ref(),
             slot_count,
-            &mut upload,
-            kept_data,
+            (&mut upload, kept_data),
         )?;
         let shadows = map.zip(resources).map(|(map, resources)| {
             let most = config.shadow_tiles_per_frame;

@@ -64,6 +64,7 @@ fn header() -> String {
         style: cbindgen::Style::Both,
         line_length: 110,
         usize_is_size_t: true,
+        documentation_style: cbindgen::DocumentationStyle::Cxx,
         ..cbindgen::Config::default()
     };
     config.enumeration.prefix_with_name = true;
@@ -87,11 +88,11 @@ fn without_safety(text: &str) -> String {
     let mut kept = Vec::new();
     let mut within = false;
     for line in text.lines() {
-        if line == " * # Safety" {
+        if line == "/// # Safety" {
             within = true;
             kept.pop();
         }
-        within &= line != " */";
+        within &= line.starts_with("///");
         if !within {
             kept.push(line);
         }
