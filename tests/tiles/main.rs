@@ -219,6 +219,8 @@ fn one_pass_stays_on_the_tile() {
         (5, Case { translucency: Translucency::Oit, ..Case::new("glass", Layout::Metallic256) }),
         (5, Case { translucency: Translucency::Weighted, ..metallic("glass") }),
         (19, Case { translucency: Translucency::Peeled, ..metallic("glass") }),
+        (5, local_read(Case { translucency: Translucency::Oit, ..Case::new("glass", Layout::Packed128) })),
+        (5, local_read(Case { translucency: Translucency::Weighted, ..metallic("glass") })),
         (3, local_read(metallic(ALL_STAGES))),
         (3, local_read(Case { recycle: false, ..metallic(ALL_STAGES) })),
         (3, local_read(Case::new(ALL_STAGES, Layout::Exact))),
@@ -251,7 +253,10 @@ fn decals_stay_on_the_tile() {
         ]);
         let lights = LightWay::Stencil;
         cases.push((4, Case { lights, ..painted(decals, "decals", Layout::Ontile128) }));
+        cases.push((4, local_read(painted(decals, "decals", Layout::Ontile128))));
+        cases.push((3, local_read(painted(decals, "decals", Layout::Packed128))));
     }
+    cases.push((3, local_read(painted(DecalWay::Fixed, "color_decals", Layout::Metallic128))));
     for (subpasses, case) in &cases {
         frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
     }
@@ -330,6 +335,7 @@ fn bloom_leaves_the_pass_whole() {
 fn several_samples_stay_on_the_tile() {
     let Some(turnip) = turnip::find() else { return };
     let of = |layout, samples, edges| Case { samples, edges, ..Case::new(ALL_STAGES, layout) };
+    let of_glass = |translucency, layout| Case { samples: 4, translucency, ..Case::new("glass", layout) };
     let cases = [
         (3, of(Layout::Metallic128, 4, Edges::All)),
         (3, of(Layout::Metallic128, 4, Edges::Compare)),
@@ -339,6 +345,10 @@ fn several_samples_stay_on_the_tile() {
         (2, of(Layout::Packed128, 4, Edges::Compare)),
         (3, of(Layout::Metallic128, 2, Edges::Auto)),
         (1, Case { path: LightPath::Forward, ..of(Layout::Metallic128, 4, Edges::Auto) }),
+        (5, of_glass(Translucency::Oit, Layout::Metallic128)),
+        (5, of_glass(Translucency::Oit, Layout::Packed128)),
+        (5, of_glass(Translucency::Weighted, Layout::Metallic128)),
+        (19, of_glass(Translucency::Peeled, Layout::Metallic128)),
     ];
     for (subpasses, case) in &cases {
         frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
