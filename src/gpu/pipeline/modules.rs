@@ -7,7 +7,8 @@ use super::super::shader::{
 };
 use crate::environment::TexelFormat;
 use crate::plan::{
-    DecalKind, DecalWay, Edges, Form, Format, Pipeline, Plan, SurfaceKind, Translucency, VolumeShape,
+    DecalKind, DecalWay, Edges, Form, Format, Pipeline, Plan, ShadowNeed, SurfaceKind, Translucency,
+    VolumeShape,
 };
 use crate::visible::ShadowShape;
 
@@ -139,7 +140,17 @@ pub(super) fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingCo
     };
     let one_by_one = plan.light_way.is_one_by_one();
     match pipeline.per_pixel() {
-        Pipeline::ShadowedLight => all.one_counted(),
+        Pipeline::ShadowedLight => {
+            let counted = |need: &&ShadowNeed| plan.volume_lights.contains(&need.light);
+            let any = |is: fn(&ShadowNeed) -> bool| plan.needs.shadows.lights.iter().filter(counted).any(is);
+            LightingConstants {
+                has_directional: any(|light| light.shape.is_parallel()),
+                has_point: any(|light| light.is_point),
+                has_spot: any(|light| !light.is_point && !light.shape.is_parallel()),
+                globe_maps: any(|light| light.has_globe_map),
+                ..all.one_counted()
+            }
+        }
         Pipeline::Lighting if one_by_one => all.only_global(has_shadows(plan, ShadowShape::Cascades)),
         Pipeline::LightVolume(_) => all.one_local(
             [ShadowShape::Slab, ShadowShape::Cone, ShadowShape::Cube].iter().any(|&s| has_shadows(plan, s)),
