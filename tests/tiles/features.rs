@@ -2,9 +2,7 @@
 
 use super::child::{Case, Fault};
 use super::common::turnip;
-use super::{
-    ALL_STAGES, OUTPUT_BYTES_PER_PIXEL, commitments, frames, local_read, metallic, on_tile, shadow_tiles,
-};
+use super::{ALL_STAGES, commitments, frames, local_read, metallic, on_tile, shadow_tiles};
 use ontile::measure::tiler::{TilerTrace, Verdict};
 use ontile::plan::{BloomWay, DecalWay, Edges, Layout, LightWay, Path as LightPath, Translucency};
 
