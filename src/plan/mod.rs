@@ -32,6 +32,7 @@ mod pipeline;
 mod post;
 mod print;
 mod rendering;
+mod same;
 mod samples;
 mod shadow;
 mod shadow_report;
