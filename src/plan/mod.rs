@@ -187,7 +187,6 @@ impl Plan {
     /// each other.
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
         let (strategy, why) = strategy::resolve(&options, limits)?;
-        let (strategy, why) = decals::strategy(&needs, &options, (strategy, why))?;
         let is_best = options.strategy == Strategy::Auto && strategy != Strategy::Subpasses;
         match Self::by(strategy, why, needs.clone(), options.clone(), limits) {
             Err(error) if is_best => {
