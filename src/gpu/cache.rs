@@ -3,7 +3,12 @@
 //! A driver may crash on damaged cache data, so ours goes into an envelope with a checksum and the identity
 //! of device and driver; whatever does not match is thrown away and made again.
 
+use super::pass::VulkanPass;
+use super::pipeline::Pipelines;
+use super::post::PostPasses;
+use super::shadow::prepare_casters;
 use super::{Called, Caps, Device, Owned};
+use crate::plan::Plan;
 use crate::{Error, Result};
 use ash::vk;
 use std::path::{Path, PathBuf};
@@ -45,6 +50,22 @@ impl PipelineCache {
         if let Err(e) = self.blob().and_then(|blob| replace(&path, &blob)) {
             log::warn!("pipelines are not kept: {e}");
         }
+    }
+
+    /// Compiles all pipelines of a plan ([`Plan::pipelines`], those of its shadow map and of its passes after the frame's own), so that
+    /// [`Renderer::new`](super::Renderer::new) finds them here, and so do later runs that start from [`Self::blob`]. It may run on any
+    /// thread, e.g. while a level is loaded.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the device lacks a format; [`Error::Vulkan`].
+    pub fn prepare(&self, plan: &Plan) -> Result<()> {
+        let device = self.raw.device();
+        super::check_formats(device, plan)?;
+        let passes: Vec<_> =
+            plan.passes.iter().map(|pass| VulkanPass::new(device, plan, pass)).collect::<Result<_>>()?;
+        let pipelines = Pipelines::new(device, plan, &passes, self)?;
+        PostPasses::new(device, plan, &pipelines, self)?;
+        plan.shadow_map.as_ref().map_or(Ok(()), |map| prepare_casters(device, map, self))
     }
 
     /// The handle, valid as long as this owner.

@@ -4,6 +4,7 @@
 //! each stream is one array over all its meshes, so a group is bound once and a draw only names its first
 //! vertex.
 
+use super::memory::LEAST_OWN_BLOCK_BYTES;
 use super::{Buffer, BufferDesc, Device, MemoryUse, Upload};
 use crate::scene::Mesh;
 use crate::{Error, Result};
@@ -184,6 +185,13 @@ impl Geometry {
             }
         }
         Ok(Self { vertices, indices, plan })
+    }
+
+    /// What both buffers would take; that of indices has a block of its own.
+    pub(super) fn bytes(meshes: &[Mesh], streams: &[Option<Streams>]) -> Result<u64> {
+        let Plan { vertex_bytes, index_bytes, .. } = plan(meshes, streams)?;
+        let block = if index_bytes > 0 { index_bytes.max(LEAST_OWN_BLOCK_BYTES) } else { 0 };
+        Ok(vertex_bytes + block)
     }
 
     /// The vertex buffer; `None` without vertices.

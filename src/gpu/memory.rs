@@ -37,7 +37,7 @@ enum Block {
 
 /// Best practice checks report memory objects below this size. For lazily allocated ones the rounding costs
 /// addresses only, no pages.
-const LEAST_OWN_BLOCK_BYTES: u64 = 1 << 20;
+pub(super) const LEAST_OWN_BLOCK_BYTES: u64 = 1 << 20;
 
 impl Memory {
     /// Sub-allocates; `linear` for buffers. `dedicated` asks for a memory object of the resource's own.

@@ -17,6 +17,7 @@
 #![doc = include_str!("embedding.md")]
 
 mod around;
+mod budget;
 mod buffer;
 mod cache;
 mod caps;
@@ -65,6 +66,7 @@ mod volume_casters;
 pub use ash;
 pub use gpu_allocator;
 
+pub use budget::MemoryBudget;
 pub use buffer::{Buffer, BufferDesc};
 pub use cache::PipelineCache;
 pub use caps::{Caps, DeviceType, MemoryType};

@@ -27,8 +27,8 @@ use crate::Result;
 use crate::plan::{FrameCounts, Plan, StateChanges, VolumeShape};
 use crate::scene::{Changes, Scene};
 use crate::visible::Reach;
-use wanted::{material_kind, material_textures, streams, texture_keys};
-pub(super) use wanted::{surface, vertex_streams};
+use wanted::{material_kind, material_textures, texture_keys};
+pub(super) use wanted::{streams, surface, texture_bytes, vertex_streams};
 
 /// A scene on the device.
 pub(super) struct SceneData {

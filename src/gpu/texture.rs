@@ -54,6 +54,20 @@ impl Use {
     }
 }
 
+/// How each picture is used that is wanted.
+fn uses(textures: &[scene::Texture], wanted: &[TextureKey]) -> Result<HashMap<ImageKey, Use>> {
+    let mut uses: HashMap<ImageKey, Use> = HashMap::new();
+    for key in wanted {
+        let texture = element(textures, key.texture, "texture")?;
+        let of_image = uses.entry((texture.image, key.encoding)).or_default();
+        match texture.sampler.mip_linear {
+            Some(_) => of_image.mips = true,
+            None => of_image.base = true,
+        }
+    }
+    Ok(uses)
+}
+
 /// A picture on the device.
 #[derive(Debug)]
 struct TextureImage {
@@ -81,15 +95,7 @@ impl Textures {
         wanted: &[TextureKey],
         kept: Option<(&Self, &[usize])>,
     ) -> Result<Self> {
-        let mut uses: HashMap<ImageKey, Use> = HashMap::new();
-        for key in wanted {
-            let texture = element(textures, key.texture, "texture")?;
-            let of_image = uses.entry((texture.image, key.encoding)).or_default();
-            match texture.sampler.mip_linear {
-                Some(_) => of_image.mips = true,
-                None => of_image.base = true,
-            }
-        }
+        let uses = uses(textures, wanted)?;
         let kept = |key: &ImageKey, picture: &scene::Image| {
             let (old, changed) = kept?;
             let wanted = uses[key];
@@ -124,6 +130,21 @@ impl Textures {
             all.bindings.insert(key, (view, all.samplers.get(texture.sampler)?));
         }
         Ok(all)
+    }
+
+    /// What the images of all that is wanted would hold, with their mip levels.
+    pub(super) fn bytes(
+        images: &[scene::Image],
+        textures: &[scene::Texture],
+        wanted: &[TextureKey],
+    ) -> Result<u64> {
+        let bytes = |(&(image, _), of_image): (&ImageKey, &Use)| {
+            let picture = element(images, image, "image")?;
+            let side = |n: u32, level: u32| u64::from((n >> level).max(1));
+            let level = |level| side(picture.width, level) * side(picture.height, level) * 4;
+            Ok((0..of_image.levels(picture)).map(level).sum::<u64>())
+        };
+        uses(textures, wanted)?.iter().map(bytes).sum()
     }
 
     /// The view and sampler of a texture, in layout SHADER_READ_ONLY_OPTIMAL; `None` if it was not wanted.

@@ -56,43 +56,9 @@ impl VolumeCasters {
         scene: &Scene,
         slots: usize,
     ) -> Result<Option<Self>> {
-        let kinds = SceneKinds::new(scene);
-        let mut order = Vec::new();
-        for (index, instance) in scene.instances.iter().enumerate().filter(|(_, i)| scene.is_drawn(i)) {
-            let material = &scene.materials[scene.meshes[instance.mesh].material];
-            let kind = CasterKind::new(&SurfaceKind::new(&kinds, instance), material);
-            let Some(kind) = kind.filter(|kind| kind.mask.is_none()) else { continue };
-            order.push((instance.mesh, kind.mirrored, index));
-            // Their backs are surfaces of their own, which go round the other way.
-            order.extend(kind.double_sided.then_some((instance.mesh, !kind.mirrored, index)));
-        }
-        if order.is_empty() {
+        let Listed { words, places, batches, casters, casters_of } = list(scene);
+        if casters.is_empty() {
             return Ok(None);
-        }
-        order.sort_unstable();
-        let mut words: Vec<[u32; 4]> = Vec::new();
-        let mut places = vec![Place::default(); scene.meshes.len()];
-        let mut batches: Vec<Batch> = Vec::new();
-        let mut casters = Vec::with_capacity(order.len());
-        let mut casters_of = vec![[None; 2]; scene.instances.len()];
-        for (mesh, turned, index) in order {
-            if batches.last().is_none_or(|last| last.mesh != mesh) {
-                places[mesh] = place(&scene.meshes[mesh], &mut words);
-            }
-            let first = casters.len();
-            let bounds_object = scene.meshes[mesh].bounds().expect("what has triangles has vertices");
-            let world_from_object = &scene.instances[index].world_from_object;
-            let side = usize::from(casters_of[index][0].is_some());
-            casters_of[index][side] = Some(first);
-            casters.push(Caster {
-                data: convert::instance(world_from_object),
-                bounds_object,
-                bounds_world: bounds_object.transformed(world_from_object),
-            });
-            match batches.last_mut() {
-                Some(last) if (last.mesh, last.turned) == (mesh, turned) => last.casters.end += 1,
-                _ => batches.push(Batch { mesh, turned, casters: first..first + 1 }),
-            }
         }
         let bytes: &[u8] = bytemuck::cast_slice(&words);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -110,6 +76,12 @@ impl VolumeCasters {
         let desc = BufferDesc { name, bytes: size, usage: storage, memory: MemoryUse::Upload };
         let instances = (0..slots).map(|_| Buffer::new(device, &desc)).collect::<Result<_>>()?;
         Ok(Some(Self { meshes, places, batches, casters, casters_of, instances }))
+    }
+
+    /// What the meshes and a slot's instances take.
+    pub(super) fn bytes(scene: &Scene) -> [u64; 2] {
+        let Listed { words, casters, .. } = list(scene);
+        [words.len() * size_of::<[u32; 4]>(), casters.len() * size_of::<InstanceData>()].map(|n| n as u64)
     }
 
     /// What [`VolumePush`] speaks of.
@@ -171,6 +143,54 @@ impl VolumeCasters {
         let slots = self.instances.iter().map(Buffer::allocated_bytes).sum::<u64>();
         slots + self.meshes.allocated_bytes()
     }
+}
+
+/// What casts, and what is uploaded of it.
+struct Listed {
+    words: Vec<[u32; 4]>,
+    places: Vec<Place>,
+    batches: Vec<Batch>,
+    casters: Vec<Caster>,
+    casters_of: Vec<[Option<usize>; 2]>,
+}
+
+fn list(scene: &Scene) -> Listed {
+    let kinds = SceneKinds::new(scene);
+    let mut order = Vec::new();
+    for (index, instance) in scene.instances.iter().enumerate().filter(|(_, i)| scene.is_drawn(i)) {
+        let material = &scene.materials[scene.meshes[instance.mesh].material];
+        let kind = CasterKind::new(&SurfaceKind::new(&kinds, instance), material);
+        let Some(kind) = kind.filter(|kind| kind.mask.is_none()) else { continue };
+        order.push((instance.mesh, kind.mirrored, index));
+        // Their backs are surfaces of their own, which go round the other way.
+        order.extend(kind.double_sided.then_some((instance.mesh, !kind.mirrored, index)));
+    }
+    order.sort_unstable();
+    let mut words: Vec<[u32; 4]> = Vec::new();
+    let mut places = vec![Place::default(); scene.meshes.len()];
+    let mut batches: Vec<Batch> = Vec::new();
+    let mut casters = Vec::with_capacity(order.len());
+    let mut casters_of = vec![[None; 2]; scene.instances.len()];
+    for (mesh, turned, index) in order {
+        if batches.last().is_none_or(|last| last.mesh != mesh) {
+            places[mesh] = place(&scene.meshes[mesh], &mut words);
+        }
+        let first = casters.len();
+        let bounds_object = scene.meshes[mesh].bounds().expect("what has triangles has vertices");
+        let world_from_object = &scene.instances[index].world_from_object;
+        let side = usize::from(casters_of[index][0].is_some());
+        casters_of[index][side] = Some(first);
+        casters.push(Caster {
+            data: convert::instance(world_from_object),
+            bounds_object,
+            bounds_world: bounds_object.transformed(world_from_object),
+        });
+        match batches.last_mut() {
+            Some(last) if (last.mesh, last.turned) == (mesh, turned) => last.casters.end += 1,
+            _ => batches.push(Batch { mesh, turned, casters: first..first + 1 }),
+        }
+    }
+    Listed { words, places, batches, casters, casters_of }
 }
 
 /// Adds a mesh's places, triangles and edges.

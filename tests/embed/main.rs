@@ -1,6 +1,7 @@
 //! An engine embeds the renderer: it lends its device, records frames into its own command buffers, draws to its own
 //! images, and gets the picture that this crate's own host gets.
 
+mod budget;
 #[path = "../common/mod.rs"]
 mod common;
 mod engine;

@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::super::decals::Decals;
-use super::super::objects::Batch;
-use super::super::{ColorEncoding, Streams, TextureKey};
+use super::super::objects::{Batch, Objects};
+use super::super::{ColorEncoding, Streams, TextureKey, Textures};
+use crate::Result;
 use crate::plan::{Pipeline, Plan, SLOTS, SurfaceKind};
 use crate::scene::Scene;
 
@@ -17,7 +18,7 @@ pub(in crate::gpu) fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
 }
 
 /// What each mesh's pipelines read. A mesh has one material, so its pipelines differ in winding only.
-pub(super) fn streams(scene: &Scene, plan: &Plan, batches: &[Batch]) -> Vec<Option<Streams>> {
+pub(in crate::gpu) fn streams(scene: &Scene, plan: &Plan, batches: &[Batch]) -> Vec<Option<Streams>> {
     let mut streams = vec![None; scene.meshes.len()];
     for batch in batches {
         streams[batch.mesh] = Some(vertex_streams(surface(plan, batch.pipeline)));
@@ -72,4 +73,15 @@ pub(super) fn material_kind(plan: &Plan, pipeline: usize) -> SurfaceKind {
         Pipeline::Decal(kind) => kind.surface(),
         _ => *surface(plan, pipeline),
     }
+}
+
+/// What the images of all textures hold that some pipeline samples.
+pub(in crate::gpu) fn texture_bytes(
+    scene: &Scene,
+    plan: &Plan,
+    objects: &Objects,
+    decals: &Decals,
+) -> Result<u64> {
+    let keys = texture_keys(scene, plan, objects.batches(), decals);
+    Textures::bytes(&scene.images, &scene.textures, &keys)
 }

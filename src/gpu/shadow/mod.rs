@@ -293,6 +293,19 @@ impl Shadows {
     }
 }
 
+/// How many casters a map is drawn from.
+pub(super) fn caster_count(scene: &Scene, map: &ShadowMap) -> usize {
+    Casters::new(scene, map).count()
+}
+
+/// Compiles the pipelines that a map is drawn with.
+pub(super) fn prepare_casters(device: &Device, map: &ShadowMap, cache: &PipelineCache) -> Result<()> {
+    let pass = tile_pass(device, conv::format(map.format))?;
+    let builder = Builder { device, pass: &pass, cache };
+    CasterPipelines::new(map, &builder)?;
+    map.has_static_map.then(|| StaticMap::new(device, map, &builder)).transpose().map(drop)
+}
+
 /// Positions, texture coordinates, colours.
 const MOST_STREAMS: usize = 3;
 
