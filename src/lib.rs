@@ -65,10 +65,13 @@ pub mod environment;
 mod error;
 pub mod file;
 pub mod gpu;
+#[cfg(feature = "measure")]
 pub mod lightmap;
+#[cfg(feature = "measure")]
 pub mod measure;
 pub mod picture;
 pub mod plan;
+#[cfg(feature = "measure")]
 pub mod reference;
 pub mod scene;
 pub mod visible;

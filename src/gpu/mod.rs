@@ -53,8 +53,11 @@ mod readback;
 mod renderer;
 mod rendering;
 mod scene_data;
+// For tests and tools: no part of the interface.
+#[doc(hidden)]
 pub mod shader;
 mod shadow;
+#[doc(hidden)]
 pub mod shared;
 mod target;
 mod texture;

@@ -95,7 +95,7 @@ pub struct Options {
     pub environment_format: TexelFormat,
     /// How a lightmap's light is stored.
     pub lightmap_format: TexelFormat,
-    /// Why the G-buffer is what it is, where nobody named it ([`crate::measure::choose`]); the plan's notes begin with it.
+    /// Why the G-buffer is what it is, where nobody named it (`measure::choose`); the plan's notes begin with it.
     pub gbuffer_why: Vec<String>,
     /// How what is blended comes over each other.
     pub translucency: Translucency,

@@ -25,6 +25,7 @@ pub(crate) use check::Checked;
 pub use decal::{Decal, DecalChannels};
 pub use environment::Environment;
 pub use globe_layers::GlobeLayers;
+#[cfg(feature = "measure")]
 pub(crate) use gltf::edit;
 pub use light::{GlobeMap, GlobePicture, Light, LightKind, Shadow};
 pub use lightmap::{Lightmap, LightmapRect};

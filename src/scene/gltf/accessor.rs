@@ -1,7 +1,5 @@
 //! Typed data out of accessors, every byte range checked before it is read.
 
-use std::collections::HashMap;
-
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::{self, Index};
 
@@ -23,6 +21,7 @@ pub struct Format {
 
 #[derive(Clone, Copy, PartialEq)]
 enum Components {
+    #[cfg(feature = "measure")]
     Any,
     Float,
     /// With KHR_mesh_quantization also bytes and shorts of any kind.
@@ -60,6 +59,7 @@ impl Format {
         components: Components::Unsigned8Or16,
         text: "a VEC4 of unsigned bytes or shorts",
     };
+    #[cfg(feature = "measure")]
     pub const ANY: Self = Self {
         types: &[Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4, Type::Mat2, Type::Mat3, Type::Mat4],
         components: Components::Any,
@@ -78,6 +78,7 @@ impl Format {
         let small = quantized && matches!(component, C::I8 | C::U8 | C::I16 | C::U16);
         self.types.contains(&type_)
             && match self.components {
+                #[cfg(feature = "measure")]
                 Components::Any => true,
                 Components::Float => component == C::F32,
                 Components::FloatOrQuantized => component == C::F32 || small,
@@ -191,10 +192,11 @@ impl<'a> Reader<'a> {
 
     /// The bytes of these elements, each at the next multiple of four as vertex attributes must be; and how far apart they
     /// are.
+    #[cfg(feature = "measure")]
     pub fn rows(&self, elements: &[u32]) -> (Vec<u8>, usize) {
         let size = self.width * self.component.size();
         let stride = size.next_multiple_of(4);
-        let replaced: HashMap<u32, usize> =
+        let replaced: std::collections::HashMap<u32, usize> =
             self.sparse.iter().flat_map(|(indices, _)| indices).zip(0..).map(|(&i, at)| (i, at)).collect();
         let mut bytes = vec![0; elements.len() * stride];
         for (row, &element) in bytes.chunks_exact_mut(stride).zip(elements) {

@@ -9,6 +9,7 @@ mod around;
 mod decal;
 mod defaults;
 mod document;
+#[cfg(feature = "measure")]
 pub(crate) mod edit;
 mod environment;
 mod extras;
