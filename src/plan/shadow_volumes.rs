@@ -74,6 +74,6 @@ fn obstacle(options: &Options, path: Path, limits: &Limits) -> Option<(String, &
         let what = format!("shadow volumes add their lights by themselves, and '{asked}' would do it again");
         return Some((what, "use --lights auto, clusters or fullscreen"));
     }
-    let what = "the device has no depthClamp, without which the far plane cuts shadow volumes off";
+    let what = "the device has no depthClamp or no shaderClipDistance, without which shadow volumes are cut off at the far plane";
     (!limits.depth_clamp).then(|| (what.into(), "use another device"))
 }

@@ -90,7 +90,10 @@ sweeps! {
     shadow_where_there_is_none "shadow-acne",
     shadows_that_do_not_touch "shadow-gap",
     shadows_that_swim "shadow-shimmer",
+    shadows_that_are_counted "shadow-volumes",
     decals_where_boxes_end "decals",
     two_surfaces_in_a_pixel "edges",
     the_curve_and_the_mean "resolve",
+    masks_and_samples "masks",
+    panes_in_any_order "translucency",
 }

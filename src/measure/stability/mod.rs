@@ -16,13 +16,16 @@ mod geometry;
 mod inputs;
 mod light_target;
 mod lights;
+mod masks;
 mod normals;
 mod parts;
 mod report;
 mod samples;
 mod shading;
+mod shadow_volumes;
 mod shadows;
 mod sums;
+mod translucency;
 
 use serde::Serialize;
 
@@ -78,9 +81,12 @@ impl Sweep {
         shadows::ACNE,
         shadows::PANNING,
         shadows::SHIMMER,
+        shadow_volumes::SHADOW_VOLUMES,
         decals::DECALS,
         samples::EDGES,
         samples::RESOLVE,
+        masks::MASKS,
+        translucency::TRANSLUCENCY,
     ];
 
     /// The sweep of this name.
