@@ -88,6 +88,12 @@ pub enum Module {
     Composite,
     /// [`Self::Fog`] of several samples a pixel.
     FogSamples,
+    /// [`Self::Peel`] of several samples a pixel.
+    PeelSamples,
+    /// [`Self::Composite`] of several samples a pixel.
+    CompositeSamples,
+    /// [`Self::Forward`] of several samples a pixel, each with layers of its own.
+    ForwardSamples,
     /// Spreads light.
     Bloom,
     /// Smooths edges.
@@ -98,7 +104,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 30] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -126,6 +132,9 @@ impl Module {
         Self::DecalVertex,
         Self::Decal,
         Self::DecalSamples,
+        Self::PeelSamples,
+        Self::CompositeSamples,
+        Self::ForwardSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -134,7 +143,7 @@ impl Module {
             Self::GeometryVertex => "geometry.vert",
             Self::GeometryFragment => "geometry.frag",
             Self::Unlit => "unlit.frag",
-            Self::Forward => "forward.frag",
+            Self::Forward | Self::ForwardSamples => "forward.frag",
             Self::Base => "base.frag",
             Self::Light => "light.frag",
             Self::Mask => "mask.frag",
@@ -149,8 +158,8 @@ impl Module {
             Self::DecalVertex => "decal.vert",
             Self::Decal | Self::DecalSamples => "decal.frag",
             Self::Fog | Self::FogSamples => "fog.frag",
-            Self::Peel => "peel.frag",
-            Self::Composite => "composite.frag",
+            Self::Peel | Self::PeelSamples => "peel.frag",
+            Self::Composite | Self::CompositeSamples => "composite.frag",
             Self::Bloom => "bloom.frag",
             Self::EdgeFilter => "edge_filter.frag",
             Self::ShadowVolumeVertex => "shadow_volume.vert",
@@ -164,6 +173,9 @@ impl Module {
             Self::TonemapSamples => "tonemap_samples.frag",
             Self::DecalSamples => "decal_samples.frag",
             Self::FogSamples => "fog_samples.frag",
+            Self::PeelSamples => "peel_samples.frag",
+            Self::CompositeSamples => "composite_samples.frag",
+            Self::ForwardSamples => "forward_samples.frag",
             _ => self.source(),
         }
     }
@@ -175,18 +187,24 @@ impl Module {
             | Self::LightingSamples
             | Self::TonemapSamples
             | Self::FogSamples
-            | Self::DecalSamples => &["MULTISAMPLED"],
+            | Self::DecalSamples
+            | Self::PeelSamples
+            | Self::CompositeSamples
+            | Self::ForwardSamples => &["MULTISAMPLED"],
             _ => &[],
         }
     }
 
-    /// The module that does the same where input attachments have several samples a pixel: itself, if it reads none.
+    /// The module that does the same where it reads input attachments of several samples a pixel: itself, if it never does.
     pub fn multisampled(self) -> Self {
         match self {
             Self::Lighting => Self::LightingSamples,
             Self::Tonemap => Self::TonemapSamples,
             Self::Decal => Self::DecalSamples,
             Self::Fog => Self::FogSamples,
+            Self::Peel => Self::PeelSamples,
+            Self::Composite => Self::CompositeSamples,
+            Self::Forward => Self::ForwardSamples,
             other => other,
         }
     }
