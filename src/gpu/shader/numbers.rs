@@ -26,7 +26,10 @@ pub(super) const fn find(name: &str) -> Option<u32> {
                 number = number * 10 + (text[at] - b'0') as u32;
                 at += 1;
             }
-            assert!(at == text.len() || text[at].is_ascii_whitespace(), "shared.h: not a whole decimal number");
+            assert!(
+                at == text.len() || text[at].is_ascii_whitespace(),
+                "shared.h: not a whole decimal number"
+            );
             return Some(number);
         }
         while line < text.len() && text[line] != b'\n' {
