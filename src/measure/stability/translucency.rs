@@ -8,7 +8,7 @@ use super::{Bound, Case, Figure, Findings, Lab, Sweep, Worst, display_steps, exa
 use crate::Result;
 use crate::measure::plot::{Axis, Plot};
 use crate::plan::{Options, Translucency};
-use crate::scene::{AlphaMode, Material, Scene};
+use crate::scene::{AlphaMode, Material, Mesh, Scene};
 
 pub const TRANSLUCENCY: Sweep = Sweep {
     name: "translucency",
@@ -43,9 +43,23 @@ fn before_wall() -> Scene {
     scene
 }
 
+/// The square in four pieces: drivers warn of tiny draws.
+fn sheet() -> Mesh {
+    let mut mesh = Mesh::default();
+    for (row, column) in (0..3_u32).flat_map(|row| (0..3).map(move |column| (row, column))) {
+        mesh.positions.push(Vec3::new(column as f32 - 1.0, 1.0 - row as f32, 0.0));
+        if row < 2 && column < 2 {
+            let a = row * 3 + column;
+            mesh.indices.extend([a, a + 3, a + 1, a + 1, a + 3, a + 4]);
+        }
+    }
+    mesh.normals = vec![Vec3::Z; 9];
+    mesh
+}
+
 fn pane(scene: &mut Scene, color: Vec3, alpha: f32, turn: f32, z_m: f32) {
     let place = Mat4::from_translation(Vec3::Z * z_m) * Mat4::from_rotation_y(turn);
-    add(scene, square(), tinted(color, alpha), place * Mat4::from_scale(Vec3::splat(0.7)));
+    add(scene, sheet(), tinted(color, alpha), place * Mat4::from_scale(Vec3::splat(0.7)));
 }
 
 /// One quantity, its values, and the scene of each.
