@@ -2,7 +2,7 @@
 //!
 //! Thibieroz 2004, "Shadows": with a G-buffer, only the volumes and one full-screen draw a light are needed. They are counted where a
 //! surface is in front of them (Carmack; Bilodeau and Songy), so that the camera may be within. The stencil's highest bit is left to
-//! others; more than 127 volumes around one point wrap round.
+//! others; 128 volumes around one point wrap round to none (`ontile stability --sweep shadow-volumes`).
 
 use super::{LightWay, Limits, Needs, Options, Path};
 use crate::{Error, Result};

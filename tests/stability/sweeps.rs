@@ -85,6 +85,7 @@ sweeps! {
     numbers_that_mean_nothing "inputs",
     meshes_with_flaws "geometry",
     targets_of_any_shape "targets",
+    between_which_vertices "lattice",
     cameras_inside_light_volumes "light-volumes",
     pixels_that_nothing_reaches "steady",
     shadow_where_there_is_none "shadow-acne",

@@ -14,6 +14,7 @@ mod decals;
 mod depth;
 mod geometry;
 mod inputs;
+mod lattice;
 mod light_target;
 mod lights;
 mod masks;
@@ -76,6 +77,7 @@ impl Sweep {
         inputs::INPUTS,
         geometry::GEOMETRY,
         geometry::TARGETS,
+        lattice::LATTICE,
         lights::VOLUMES,
         lights::STEADY,
         shadows::ACNE,
