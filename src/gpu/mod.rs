@@ -42,6 +42,7 @@ mod merge_feedback;
 mod objects;
 mod offscreen;
 mod owned;
+mod particles;
 mod pass;
 mod pipeline;
 mod post;

@@ -14,6 +14,7 @@ use super::light_lists::LightLists;
 use super::lights::{Lights, VolumeLight};
 use super::material_data::Materials;
 use super::objects::{Batch, Objects};
+use super::particles::SceneParticles;
 use super::pipeline::{Family, FamilyLayout, Pipelines};
 use super::shader::shared;
 use super::shadow::ShadowResources;
@@ -34,6 +35,7 @@ pub(super) struct SceneData {
     lights: Lights,
     light_lists: LightLists,
     decals: Decals,
+    particles: SceneParticles,
     /// One a frame slot.
     frames: Vec<FrameData>,
     materials: Option<Materials>,
@@ -60,15 +62,17 @@ impl SceneData {
         let globe_layers = globes.as_ref().map(|g| g.first_of_light.as_slice());
         let lights = Lights::new(&scene.lights, plan.shadow_map.as_ref(), globe_layers, &plan.volume_lights);
         let decals = Decals::new(scene, plan);
+        let particles = SceneParticles::new(scene, plan);
+        let others: Vec<_> = decals.materials().chain(particles.materials()).collect();
         let of_objects = objects.batches().iter().map(|batch| batch.material);
-        let materials: BTreeSet<_> = of_objects.chain(decals.materials().map(|(_, m)| m)).collect();
+        let materials: BTreeSet<_> = of_objects.chain(others.iter().map(|(_, m)| *m)).collect();
         let streams = streams(scene, plan, objects.batches());
         let geometry = Geometry::new(device, upload, &scene.meshes, &streams)?;
-        let keys = texture_keys(scene, plan, objects.batches(), &decals);
+        let keys = texture_keys(scene, plan, objects.batches(), &others);
         let textures = Textures::new(device, upload, &scene.images, &scene.textures, &keys)?;
         let frame_kinds: Vec<u32> = frame_layouts(pipelines).into_keys().collect();
         let read = frame_kinds.iter().fold(0, |all, kind| all | kind);
-        let counts = [objects.count(), lights.count(), decals.count()];
+        let counts = [objects.count(), lights.count(), decals.count(), particles.most()];
         let frames = (0..slots).map(|_| FrameData::new(device, plan, read, counts));
         let mut data = Self {
             frame_sets: None,
@@ -77,6 +81,7 @@ impl SceneData {
             frame_kinds,
             objects,
             decals,
+            particles,
             light_lists: LightLists::new(plan, lights.count()),
             lights,
             materials: Materials::new(device, upload, scene, &materials)?,
@@ -113,6 +118,16 @@ impl SceneData {
     /// What is painted, to change it.
     pub(super) fn decals_mut(&mut self) -> &mut Decals {
         &mut self.decals
+    }
+
+    /// Light without surfaces.
+    pub(super) fn particles(&self) -> &SceneParticles {
+        &self.particles
+    }
+
+    /// The same, to change it.
+    pub(super) fn particles_mut(&mut self) -> &mut SceneParticles {
+        &mut self.particles
     }
 
     /// Moves an element of `Scene::instances`.
@@ -205,8 +220,8 @@ impl SceneData {
         if let Some(casters) = &mut self.volume_casters {
             casters.write(slot);
         }
-        let Self { objects, lights, light_lists, decals, ambient_nt, .. } = self;
-        let scene = Everything { objects, lights, light_lists, decals, ambient_nt: *ambient_nt };
+        let Self { objects, lights, light_lists, decals, particles, ambient_nt, .. } = self;
+        let scene = Everything { objects, lights, light_lists, decals, particles, ambient_nt: *ambient_nt };
         self.frames[slot].write(view, plan, size, scene, cull, scattered)
     }
 
@@ -300,6 +315,7 @@ impl SceneData {
                     b if b == const { shared("BINDING_LIGHTMAPS") } => frame.lightmap_rects.as_ref(),
                     b if b == const { shared("BINDING_LIGHTS") } => frame.lights.as_ref(),
                     b if b == const { shared("BINDING_DECALS") } => frame.decals.as_ref(),
+                    b if b == const { shared("BINDING_PARTICLES") } => frame.particles.as_ref(),
                     b if b == const { shared("BINDING_SHADOW_VIEWS") } => shadows.map(|s| s.views(slot)),
                     b if b == const { shared("BINDING_CASTERS") } => {
                         self.volume_casters.as_ref().map(VolumeCasters::meshes)
@@ -335,13 +351,14 @@ impl SceneData {
             }
             batch.material_set = keys.len() - 1;
         }
-        for key in self.decals.materials() {
+        for key in self.decals.materials().chain(self.particles.materials()) {
             if !keys.contains(&key) {
                 keys.push(key);
             }
         }
         let set_of = |key| keys.iter().position(|known| *known == key).expect("all were put there");
         self.decals.set_material_sets(set_of);
+        self.particles.set_material_sets(set_of);
         let wanted: Vec<_> = keys
             .iter()
             .map(|(pipeline, _)| {
@@ -427,9 +444,9 @@ fn material_textures<'a>(
 }
 
 /// Every texture that some pipeline samples, once.
-fn texture_keys(scene: &Scene, plan: &Plan, batches: &[Batch], decals: &Decals) -> Vec<TextureKey> {
+fn texture_keys(scene: &Scene, plan: &Plan, batches: &[Batch], others: &[(usize, usize)]) -> Vec<TextureKey> {
     let of_objects = batches.iter().map(|b| (b.pipeline, b.material));
-    let used: BTreeSet<(usize, usize)> = of_objects.chain(decals.materials()).collect();
+    let used: BTreeSet<(usize, usize)> = of_objects.chain(others.iter().copied()).collect();
     let mut seen = Vec::new();
     for (pipeline, material) in used {
         for key in material_textures(scene, &material_kind(plan, pipeline), material) {
@@ -443,6 +460,7 @@ fn texture_keys(scene: &Scene, plan: &Plan, batches: &[Batch], decals: &Decals) 
 fn material_kind(plan: &Plan, pipeline: usize) -> SurfaceKind {
     match &plan.pipelines[pipeline].1 {
         Pipeline::Decal(kind) => kind.surface(),
+        Pipeline::Particles(kind) => kind.surface(),
         _ => *surface(plan, pipeline),
     }
 }

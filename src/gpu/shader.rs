@@ -94,11 +94,17 @@ pub enum Module {
     EdgeFilter,
     /// The space behind what faces a light.
     ShadowVolumeVertex,
+    /// The square of a particle.
+    ParticleVertex,
+    /// Adds a particle's light.
+    Particle,
+    /// [`Self::Particle`] of several samples a pixel.
+    ParticleSamples,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 30] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -126,6 +132,9 @@ impl Module {
         Self::DecalVertex,
         Self::Decal,
         Self::DecalSamples,
+        Self::ParticleVertex,
+        Self::Particle,
+        Self::ParticleSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -154,6 +163,8 @@ impl Module {
             Self::Bloom => "bloom.frag",
             Self::EdgeFilter => "edge_filter.frag",
             Self::ShadowVolumeVertex => "shadow_volume.vert",
+            Self::ParticleVertex => "particle.vert",
+            Self::Particle | Self::ParticleSamples => "particle.frag",
         }
     }
 
@@ -164,6 +175,7 @@ impl Module {
             Self::TonemapSamples => "tonemap_samples.frag",
             Self::DecalSamples => "decal_samples.frag",
             Self::FogSamples => "fog_samples.frag",
+            Self::ParticleSamples => "particle_samples.frag",
             _ => self.source(),
         }
     }
@@ -175,7 +187,8 @@ impl Module {
             | Self::LightingSamples
             | Self::TonemapSamples
             | Self::FogSamples
-            | Self::DecalSamples => &["MULTISAMPLED"],
+            | Self::DecalSamples
+            | Self::ParticleSamples => &["MULTISAMPLED"],
             _ => &[],
         }
     }
@@ -187,6 +200,7 @@ impl Module {
             Self::Tonemap => Self::TonemapSamples,
             Self::Decal => Self::DecalSamples,
             Self::Fog => Self::FogSamples,
+            Self::Particle => Self::ParticleSamples,
             other => other,
         }
     }

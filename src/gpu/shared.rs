@@ -203,6 +203,24 @@ pub struct LightPush {
     pub light: u32,
 }
 
+/// A particle: `Particle` in `glsl/particle.glsl`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct ParticleData {
+    /// Metres.
+    pub center_world: [f32; 3],
+    /// 1 / the soft distance, per metre.
+    pub inverse_soft: f32,
+    /// Multiplies the material's emission.
+    pub color: [f32; 3],
+    /// Unused.
+    pub padding: f32,
+    /// Half a side of the square, as a vector on the image: right and up, metres.
+    pub half_axis: [f32; 2],
+    /// Unused.
+    pub padding_2: [f32; 2],
+}
+
 /// A decal: `Decal` in `glsl/decal.glsl`, std430.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

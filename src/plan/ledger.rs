@@ -390,6 +390,11 @@ impl Plan {
                 });
                 format!("decal: {kind}{}", why.unwrap_or_default())
             }
+            P::Particles(kind) => {
+                let need = self.needs.particles.iter().find(|n| n.kind == *kind);
+                let why = need.map(|n| format!(" (up to {}, first {})", n.particles, n.why));
+                format!("particles, {kind}{}", why.unwrap_or_default())
+            }
             P::LightMask(shape) => format!("light mask, {shape}"),
             P::LightVolume(shape) => format!("light, {shape}"),
             P::ShadowVolume => "shadow volumes".into(),

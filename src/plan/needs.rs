@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::decals::{self, DecalNeed};
+use super::particles::{self, ParticleNeed};
 use super::{Around, EnvironmentNeed, LightmapNeed, LightmapUse, SceneKinds, ShadowNeeds};
 use crate::scene::{AlphaMode, Background, Fog, Instance, Light, LightKind, Material, Scene, TextureRef};
 use crate::visible::Reach;
@@ -239,6 +240,9 @@ pub struct Needs {
     pub fog: Option<Fog>,
     /// Kinds of decals, in pipeline order; empty where nothing that is not blended is lit.
     pub decals: Vec<DecalNeed>,
+    /// Kinds of particles, in pipeline order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub particles: Vec<ParticleNeed>,
 }
 
 impl Needs {
@@ -336,10 +340,16 @@ impl Needs {
             },
             fog: scene.fog.filter(|fog| fog.density_per_m > 0.0 && !kinds.is_empty()),
             decals: if lit_opaque.is_some() { decals::of(scene) } else { Vec::new() },
+            particles: particles::of(scene),
             lit,
             lit_opaque,
             kinds,
         }
+    }
+
+    /// The first of what is blended over light, or added to it, once surfaces are lit: there is a light target for it.
+    pub fn over_light(&self) -> Option<&String> {
+        self.blended.as_ref().or(self.particles.first().map(|need| &need.why))
     }
 
     /// Triangles that hide what is behind them.

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::stage::{FOG, Frame, LAYERS, PEEL, TRANSLUCENCY, Use};
-use super::{DecalKind, Edges, LightWay, Needs, SurfaceKind, VolumeShape, lights};
+use super::stage::{FOG, Frame, LAYERS, PARTICLES, PEEL, TRANSLUCENCY, Use};
+use super::{DecalKind, Edges, LightWay, Needs, ParticleKind, SurfaceKind, VolumeShape, lights};
 
 /// A graphics pipeline that a frame needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -52,6 +52,8 @@ pub enum Pipeline {
     },
     /// Blends what was collected of blended surfaces over the light.
     Composite,
+    /// Adds the light of particles of one kind.
+    Particles(ParticleKind),
 }
 
 impl Pipeline {
@@ -134,6 +136,9 @@ pub(super) fn of(
             TRANSLUCENCY | LAYERS => {
                 translucency.extend((reads && needs.fog.is_some()).then_some((s, Pipeline::Fog)));
                 translucency.extend(blended().map(|n| (s, Pipeline::Surface(n.kind))));
+            }
+            PARTICLES => {
+                translucency.extend(needs.particles.iter().map(|n| (s, Pipeline::Particles(n.kind))))
             }
             PEEL => {
                 let first = stage(PEEL) == Some(s);

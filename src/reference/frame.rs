@@ -10,6 +10,7 @@ use super::decals::Painter;
 use super::fog::fogged;
 use super::gbuffer::{Attributes, attributes, interpolate};
 use super::layers::{Blended, Layer, over};
+use super::particles::Sparks;
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
 use super::shade::reflected_parts;
 use super::shadow::Occlusion;
@@ -161,6 +162,7 @@ pub struct Tracer<'a> {
     blended: Option<Blended<'a>>,
     around: Around<'a>,
     decals: Painter<'a>,
+    particles: Sparks<'a>,
 }
 
 impl<'a> Tracer<'a> {
@@ -178,6 +180,7 @@ impl<'a> Tracer<'a> {
             blended: Blended::new(scene),
             around,
             decals: Painter::new(scene),
+            particles: Sparks::new(scene),
         }
     }
 
@@ -187,7 +190,7 @@ impl<'a> Tracer<'a> {
     /// If an index within the scene is out of range.
     pub fn render(&self, camera: &Camera, settings: &Settings) -> Frame {
         let view = settings.view(camera);
-        let Tracer { scene, visibility, blended, around, decals } = self;
+        let Tracer { scene, visibility, blended, around, decals, particles } = self;
         let occlusion = Occlusion::new(scene, visibility);
         let occlusion = settings.shadows.then_some(&occlusion);
         let [width, height] = settings.size;
@@ -208,10 +211,15 @@ impl<'a> Tracer<'a> {
                     let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
                     let exact = attributes(blended.visibility(), around, &view, position_world, hit);
                     let own = Settings { gbuffer: None, ..settings.clone() };
-                    let shaded = finish(scene, (&view, [x, y]), &own, occlusion, exact, exact.prelit, &[]);
+                    let shaded =
+                        finish(scene, (&view, [x, y]), &own, occlusion, exact, exact.prelit, Over::default());
                     Layer { light: shaded.linear, alpha: blended.alpha(hit) }
                 }));
             }
+            let opaque_m = centers.at(x, y).map_or(f64::INFINITY, |hit| hit.distance);
+            let shine = particles.shine(&view, &view.ray_through_pixel([x, y]), opaque_m);
+            edge = edge || shine.edge;
+            let over = Over { layers: &layers, added_nt: shine.light_nt };
             let Some(hit) = centers.at(x, y) else {
                 let sky = match scene.background {
                     Background::Environment => {
@@ -221,7 +229,7 @@ impl<'a> Tracer<'a> {
                 };
                 return Pixel {
                     edge,
-                    ..finish(scene, (&view, [x, y]), settings, None, Attributes::default(), sky, &layers)
+                    ..finish(scene, (&view, [x, y]), settings, None, Attributes::default(), sky, over)
                 };
             };
             let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
@@ -236,7 +244,7 @@ impl<'a> Tracer<'a> {
             let prelit = if settings.stores_prelit() { surface.prelit } else { exact.prelit };
             let surface = Attributes { prelit, ..surface };
             let pixel = [x, y];
-            Pixel { edge, ..finish(scene, (&view, pixel), settings, occlusion, surface, prelit, &layers) }
+            Pixel { edge, ..finish(scene, (&view, pixel), settings, occlusion, surface, prelit, over) }
         });
         Frame { size: settings.size, pixels: pixels.collect() }
     }
@@ -264,12 +272,21 @@ pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffe
         let light = if settings.light_target { stored.light } else { DVec3::ZERO };
         let surface = decode(layout, &Stored { light, ..*stored }, &view, pixel, light_factor);
         let prelit = surface.prelit;
-        finish(scene, (&view, pixel), settings, occlusion.as_ref(), surface, prelit, &[])
+        finish(scene, (&view, pixel), settings, occlusion.as_ref(), surface, prelit, Over::default())
     });
     Frame { size: settings.size, pixels: pixels.collect() }
 }
 
-/// Adds the lights' reflection to `prelit`, then fog, then what is blended over it, and applies the curve. The viewer is where the pixel's ray comes from, also
+/// What lies over a surface.
+#[derive(Clone, Copy, Default)]
+struct Over<'a> {
+    /// What is blended, from near to far.
+    layers: &'a [Layer],
+    /// What particles add as it arrives at the viewer, cd/m².
+    added_nt: DVec3,
+}
+
+/// Adds the lights' reflection to `prelit`, then fog, then what lies over it, and applies the curve. The viewer is where the pixel's ray comes from, also
 /// where a stored position is beside it.
 fn finish(
     scene: &Scene,
@@ -278,7 +295,7 @@ fn finish(
     occlusion: Option<&Occlusion>,
     attributes: Attributes,
     prelit: DVec3,
-    layers: &[Layer],
+    Over { layers, added_nt }: Over,
 ) -> Pixel {
     let shadowed = Cell::new(0_u64);
     let hidden = |light: usize, to_light| {
@@ -313,6 +330,7 @@ fn finish(
         _ => linear,
     };
     let (linear, over_it) = over(linear, layers);
+    let linear = linear + added_nt * settings.exposure();
     let display = match scene.background {
         // A colour of the display: what is blended lies over it as a picture on a page.
         Background::Color(color) if !covered => {
@@ -321,7 +339,7 @@ fn finish(
         _ => tonemap(settings.tonemap, linear),
     };
     Pixel {
-        covered: covered || over_it > 0.0,
+        covered: covered || over_it > 0.0 || added_nt != DVec3::ZERO,
         linear,
         display,
         attributes,

@@ -32,6 +32,7 @@ pub mod gbuffer;
 pub mod globe;
 mod layers;
 pub mod lightmap;
+mod particles;
 pub mod path;
 pub mod punctual;
 pub mod quantise;

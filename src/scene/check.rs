@@ -21,6 +21,7 @@ impl Scene {
             .or_else(|| first("instances", &self.instances, |i| affine(&i.world_from_object)))
             .or_else(|| first("materials", &self.materials, material))
             .or_else(|| first("decals", &self.decals, |d| d.problem(self.materials.len())))
+            .or_else(|| first("particles", &self.particles, |p| p.problem(self.materials.len())))
             .or_else(|| first("cameras", &self.cameras, camera))
             .or_else(|| surroundings(self).map(|problem| ("scene".to_owned(), problem)));
         match problem {

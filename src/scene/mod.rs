@@ -15,6 +15,7 @@ mod lightmap;
 mod material;
 mod mesh;
 mod mipmaps;
+mod particles;
 mod probe;
 mod surroundings;
 
@@ -28,6 +29,7 @@ pub use lightmap::{Lightmap, LightmapRect};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
 pub use mipmaps::{MipLevel, mip_level_count, mipmaps};
+pub use particles::{Particle, Particles};
 pub use probe::Probe;
 pub use surroundings::{Background, Fog, FogHeight};
 
@@ -72,6 +74,8 @@ pub struct Scene {
     pub probes: Vec<Probe>,
     /// What is painted over surfaces.
     pub decals: Vec<Decal>,
+    /// Light without surfaces.
+    pub particles: Vec<Particles>,
     /// View points. [`Scene::load`] always gives at least one.
     pub cameras: Vec<Camera>,
     /// What the loader had to leave out or change, one sentence each.

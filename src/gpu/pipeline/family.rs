@@ -68,9 +68,10 @@ const VOLUMES: u32 = shared("BINDING_VOLUMES");
 const DECALS: u32 = shared("BINDING_DECALS");
 const CASTERS: u32 = shared("BINDING_CASTERS");
 const CASTER_INSTANCES: u32 = shared("BINDING_CASTER_INSTANCES");
+const PARTICLES: u32 = shared("BINDING_PARTICLES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 17] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 18] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -91,6 +92,7 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 17] = {
         (DECALS, T::STORAGE_BUFFER, both),
         (CASTERS, T::STORAGE_BUFFER, S::VERTEX),
         (CASTER_INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
+        (PARTICLES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
 
@@ -121,6 +123,7 @@ impl Family {
             }
             Pipeline::Peel { .. } | Pipeline::Composite => Vec::new(),
             Pipeline::Decal(_) => vec![DECALS],
+            Pipeline::Particles(_) => vec![PARTICLES],
             Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
             Pipeline::Surface(_)
             | Pipeline::Light(_)
@@ -156,6 +159,7 @@ impl Family {
             Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
                 SecondSet::Material { textures: kind.textures.count_ones() }
             }
+            Pipeline::Particles(kind) => SecondSet::Material { textures: u32::from(kind.texture) },
             Pipeline::Lighting
             | Pipeline::LightVolume(_)
             | Pipeline::ShadowedLight
@@ -181,8 +185,9 @@ impl Family {
             _ => None,
         };
         let subpass = plan.subpass(stage).2;
-        let layers =
-            if pipeline.is_of_blended() && subpass.ordered { subpass.inputs.len() as u32 } else { 0 };
+        let collects = pipeline.is_of_blended() && subpass.ordered;
+        let reads_both = collects || matches!(pipeline, Pipeline::Particles(_));
+        let layers = if reads_both { subpass.inputs.len() as u32 } else { 0 };
         let frame = frame.fold(0, |bits, binding| bits | 1 << binding);
         Self { frame, second, push, decal_textures, layers }
     }

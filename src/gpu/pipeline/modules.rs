@@ -56,12 +56,18 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::Composite => (Module::Fullscreen, Some(Module::Composite), Specialization::default()),
         Pipeline::Peel { kind, first } => {
             // The first has nothing behind it where nothing is opaque.
-            let opaque = plan.attachments.iter().find(|a| a.format.is_depth() && a.name.starts_with("depth"));
+            let opaque = depth_behind(plan);
             let fragment = (!first || opaque.is_some()).then_some(Module::Peel);
-            let behind_opaque = *first && opaque.is_some_and(|a| a.name.split('/').next() == Some("depth"));
+            let behind_opaque = *first && opaque == Some(true);
             (Module::GeometryVertex, fragment, surface(kind).and(Specialization::peel(behind_opaque)))
         }
         Pipeline::Fog => (Module::Fullscreen, Some(Module::Fog), Specialization::default()),
+        Pipeline::Particles(kind) => {
+            let textures = textures(&kind.surface());
+            let surface = GeometryConstants { textures, ..GeometryConstants::default() };
+            let behind = Specialization::behind(depth_behind(plan));
+            (Module::ParticleVertex, Some(Module::Particle), surface.specialization().and(behind))
+        }
     };
     let lighting = lighting_constants(plan, pipeline).specialization();
     let output = output_constants(plan, pipeline).specialization();
@@ -90,6 +96,12 @@ fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
         sample_depth: plan.has_gbuffer() && plan.gbuffer.reads_depth_attachment(),
         resolve: plan.options.resolve,
     }
+}
+
+/// Whether lighting reads the depth of what is opaque too; `None` if there is no such depth.
+fn depth_behind(plan: &Plan) -> Option<bool> {
+    let opaque = plan.attachments.iter().find(|a| a.format.is_depth() && a.name.starts_with("depth"))?;
+    Some(opaque.name.split('/').next() == Some("depth"))
 }
 
 fn translucency_constants(plan: &Plan) -> Specialization {
@@ -144,11 +156,11 @@ fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
     // Fog comes before light that is complete.
     let applies_fog = match pipeline.per_pixel() {
         Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::ShadowedLight => plan.folded,
-        Pipeline::Tonemap => plan.has_gbuffer() && plan.needs.blended.is_none(),
+        Pipeline::Tonemap => plan.has_gbuffer() && plan.needs.over_light().is_none(),
         _ => true,
     };
     OutputConstants {
-        translucency: plan.needs.blended.is_some(),
+        translucency: plan.needs.over_light().is_some(),
         tonemap: plan.options.tonemap,
         dither: plan.options.dither,
         float: plan.options.output.is_float(),

@@ -165,9 +165,10 @@ fn depth_stencil(
     let own_edge = if pipeline.per_pixel() == *pipeline { 0 } else { edge };
     match pipeline {
         // Surfaces whose depth is there already pass where they are what was found nearest.
-        Pipeline::Surface(_) | Pipeline::Depth(_) | Pipeline::Light(_) => {
+        Pipeline::Surface(_) | Pipeline::Depth(_) | Pipeline::Light(_) | Pipeline::Particles(_) => {
             // What is blended is tested against what is opaque, or was peeled.
-            let blended = matches!(pipeline, Pipeline::Surface(kind) if kind.blend);
+            let blended = matches!(pipeline, Pipeline::Surface(kind) if kind.blend)
+                || matches!(pipeline, Pipeline::Particles(_));
             let found = !subpass.depth_write && (!blended || subpass.tests_peeled);
             test.depth_compare_op(if found { vk::CompareOp::EQUAL } else { vk::CompareOp::GREATER })
         }

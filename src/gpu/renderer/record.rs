@@ -128,6 +128,7 @@ impl Frame<'_> {
                 // Drawn in turns with the volumes between them.
                 Pipeline::LightMask(_) | Pipeline::EdgeVolume(_) | Pipeline::ShadowVolume => {}
                 Pipeline::ShadowedLight => self.draw_shadowed_lights(stage, index),
+                Pipeline::Particles(_) => self.draw_particles(stage, index),
                 _ => self.counted(stage, index, None, |frame| {
                     frame.bind_with_inputs(stage, index);
                     frame.draw_generated(3, 0..1);

@@ -4,10 +4,12 @@ mod decals;
 mod deferred;
 mod depth;
 mod forward;
+mod particles;
 mod post;
 mod samples;
 mod translucency;
 
+pub use particles::NAME as PARTICLES;
 pub(super) use samples::add as multisample;
 pub use translucency::{FOG, LAYERS, NAME as TRANSLUCENCY, PEEL};
 
@@ -226,7 +228,13 @@ impl Asked<'_> {
 
     /// Whether what the G-buffer holds is fogged in the last stage; before blended surfaces are laid over it, it is earlier.
     fn fogs_last(&self) -> bool {
-        self.needs.fog.is_some() && self.needs.blended.is_none()
+        self.needs.fog.is_some() && self.needs.over_light().is_none()
+    }
+
+    /// What there is a light target for once surfaces are lit.
+    fn over_light(&self) -> Option<String> {
+        let blended = self.needs.blended.as_ref().map(|blended| format!("{blended} is blended over it"));
+        blended.or(self.needs.particles.first().map(|need| format!("{} add to it", need.why)))
     }
 
     /// Whether the tone curve may be applied where light is made; light that is to be resolved is all made before.
