@@ -106,6 +106,8 @@ fn printed() -> Vec<(String, String)> {
             ordered(&decals, Options { layout: Layout::Packed128, ..default() }),
         ),
         ("decals_blended".into(), plan(&scenes::decal_scenes::color_decals(), default())),
+        ("sparks".into(), plan(&scenes::particle_scenes::sparks(), default())),
+        ("sparks_alone_separate".into(), plan(&scenes::particle_scenes::sparks_alone(), separate())),
         ("emissive_local_read".into(), local_read(&scenes::emissive(), LightWay::Auto)),
         ("emissive_local_read_stencil".into(), local_read(&scenes::emissive(), LightWay::Stencil)),
     ];

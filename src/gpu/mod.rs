@@ -57,6 +57,7 @@ mod shadow;
 pub mod shared;
 mod target;
 mod texture;
+mod texture_keys;
 mod upload;
 mod validation;
 mod view;

@@ -18,10 +18,11 @@ use super::particles::SceneParticles;
 use super::pipeline::{Family, FamilyLayout, Pipelines};
 use super::shader::shared;
 use super::shadow::ShadowResources;
+use super::texture_keys::{material_kind, material_textures, texture_keys};
 use super::volume_casters::VolumeCasters;
 use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
 use crate::Result;
-use crate::plan::{FrameCounts, Pipeline, Plan, SLOTS, StateChanges, SurfaceKind, VolumeShape};
+use crate::plan::{FrameCounts, Pipeline, Plan, StateChanges, SurfaceKind, VolumeShape};
 use crate::scene::Scene;
 use crate::visible::Reach;
 
@@ -427,40 +428,5 @@ pub(super) fn vertex_streams(kind: &SurfaceKind) -> Streams {
         tangents: kind.needs_tangents(),
         texcoords: kind.texcoord_sets(),
         colors: kind.vertex_color,
-    }
-}
-
-/// The textures of a material in the order of its descriptors.
-fn material_textures<'a>(
-    scene: &'a Scene,
-    kind: &'a SurfaceKind,
-    material: usize,
-) -> impl Iterator<Item = TextureKey> + 'a {
-    let textures = SurfaceKind::textures_of(&scene.materials[material]);
-    (0..SLOTS.len()).filter(|&slot| kind.samples(slot)).map(move |slot| TextureKey {
-        texture: textures[slot].expect("only present textures are sampled").texture,
-        encoding: if SurfaceKind::is_srgb(slot) { ColorEncoding::Srgb } else { ColorEncoding::Linear },
-    })
-}
-
-/// Every texture that some pipeline samples, once.
-fn texture_keys(scene: &Scene, plan: &Plan, batches: &[Batch], others: &[(usize, usize)]) -> Vec<TextureKey> {
-    let of_objects = batches.iter().map(|b| (b.pipeline, b.material));
-    let used: BTreeSet<(usize, usize)> = of_objects.chain(others.iter().copied()).collect();
-    let mut seen = Vec::new();
-    for (pipeline, material) in used {
-        for key in material_textures(scene, &material_kind(plan, pipeline), material) {
-            seen.extend((!seen.contains(&key)).then_some(key));
-        }
-    }
-    seen
-}
-
-/// How a pipeline that has a material uses it.
-fn material_kind(plan: &Plan, pipeline: usize) -> SurfaceKind {
-    match &plan.pipelines[pipeline].1 {
-        Pipeline::Decal(kind) => kind.surface(),
-        Pipeline::Particles(kind) => kind.surface(),
-        _ => *surface(plan, pipeline),
     }
 }

@@ -7,8 +7,9 @@ use rayon::prelude::*;
 
 use super::around::{Around, Method};
 use super::decals::Painter;
+use super::edges::{SNAP_PX, is_creased, is_torn};
 use super::fog::fogged;
-use super::gbuffer::{Attributes, attributes, interpolate};
+use super::gbuffer::{Attributes, attributes};
 use super::layers::{Blended, Layer, over};
 use super::particles::Sparks;
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
@@ -386,10 +387,6 @@ impl Lattice {
     }
 }
 
-/// How far from a centre a rasteriser's edge may be: half a step of Vulkan's least `subPixelPrecisionBits`, 4,
-/// along each axis, for both ends of an edge.
-pub(super) const SNAP_PX: f64 = 1.0 / 16.0;
-
 /// Whether anything in the 3x3 neighbourhood of centres and the pixel's corners differs in kind, or anything
 /// within [`SNAP_PX`] differs measurably.
 fn is_edge(
@@ -420,39 +417,4 @@ fn is_edge(
             _ => true,
         }
     })
-}
-
-/// Whether two hits about a pixel apart belong to different instances, or to parts of one surface that are not
-/// side by side: one lies more than 30 degrees off the other's plane.
-pub(super) fn is_torn(visibility: &Visibility, (ray_a, a): (&Ray, &Hit), (ray_b, b): (&Ray, &Hit)) -> bool {
-    const MAX_SINE: f64 = 0.5;
-    if a.triangle == b.triangle {
-        return false;
-    }
-    if visibility.instance(a) != visibility.instance(b) || a.front_facing != b.front_facing {
-        return true;
-    }
-    let apart = ray_b.at(b.distance) - ray_a.at(a.distance);
-    let off_plane = |hit: &Hit| visibility.plane_normal(hit).dot(apart).abs();
-    off_plane(a).max(off_plane(b)) > MAX_SINE * apart.length()
-}
-
-/// Whether the surface at `b` differs from what `a`'s triangle, extrapolated to the same ray, would show there.
-pub(super) fn is_creased(visibility: &Visibility, a: &Hit, ray_b: &Ray, b: &Hit) -> bool {
-    /// Differences that change the shading by less than about one part in a thousand, next to the shading's own
-    /// slope over `SNAP_PX`.
-    const MAX_STEP: f64 = 2e-3;
-    if a.triangle == b.triangle {
-        return false;
-    }
-    if visibility.instance(a) != visibility.instance(b) || a.front_facing != b.front_facing {
-        return true;
-    }
-    let Some(continued) = visibility.extrapolate(ray_b, a.triangle, a.front_facing) else { return true };
-    if (continued.distance - b.distance).abs() > MAX_STEP * b.distance.abs() {
-        return true;
-    }
-    let (here, there) = (interpolate(visibility, &continued), interpolate(visibility, b));
-    let turned = here.normal_world.normalize_or_zero() - there.normal_world.normalize_or_zero();
-    turned.length() > MAX_STEP || (here.color - there.color).abs().max_element() > MAX_STEP
 }

@@ -25,6 +25,7 @@ pub mod brdf;
 mod bvh;
 mod decals;
 pub mod edge_filter;
+mod edges;
 pub mod environment;
 pub mod fog;
 pub mod frame;

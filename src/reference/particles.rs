@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
+use super::edges::SNAP_PX;
 use super::fog::transmittance;
-use super::frame::SNAP_PX;
 use super::texture::{Encoding, sample};
 use super::view::{Ray, View};
 use crate::scene::{Particle, Particles, Scene};

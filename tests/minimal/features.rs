@@ -31,6 +31,7 @@ pub fn objects(scene: &Scene, options: &Options) -> Objects {
             "decal",
             "fog",
             "blended surface",
+            "particles",
         ];
         let known = sorts.iter().chain(&["depth"]).find(|sort| pipeline.starts_with(*sort));
         known.unwrap_or_else(|| panic!("{pipeline}")).to_string()

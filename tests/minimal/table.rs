@@ -5,7 +5,8 @@ use super::listed;
 use ontile::glam::{DVec3, Mat4, Vec2, Vec3, Vec4};
 use ontile::scene::{
     AlphaMode, Background, Decal, DecalChannels, Fog, FogHeight, GlobeMap, GlobePicture, Image, Instance,
-    Light, LightKind, Lightmap, LightmapRect, Material, Mesh, Sampler, Scene, Shadow, Texture, TextureRef,
+    Light, LightKind, Lightmap, LightmapRect, Material, Mesh, Particle, Particles, Sampler, Scene, Shadow,
+    Texture, TextureRef,
 };
 
 pub const UNLIT: &str = "attachment output, subpass geometry, pipeline surface unlit, surface unlit: attribute position, \
@@ -36,6 +37,19 @@ fn decal(scene: &mut Scene, channels: DecalChannels) {
     let material = scene.materials.len();
     scene.materials.push(Material { name: "paint".into(), ..Material::default() });
     scene.decals.push(Decal { name: "spot".into(), channels, ..Decal::new(material, Mat4::IDENTITY) });
+}
+
+const SPARKS: &str = "subpass particles, pipeline particles, particles: binding frame, particles: binding particles, \
+                      particles: binding material, particles: HAS_BEHIND, particles: input depth_test, \
+                      attachment depth_test, buffer particles";
+
+fn particles(scene: &mut Scene, textured: bool) {
+    let material = scene.materials.len();
+    let emissive_texture = if textured { picture(scene) } else { None };
+    let emissive_factor = Vec3::ONE;
+    scene.materials.push(Material { emissive_factor, emissive_texture, ..Material::default() });
+    let spark = Particle { position_world: Vec3::ZERO, size_m: 1.0, rotation_rad: 0.0, color: Vec3::ONE };
+    scene.particles.push(Particles { name: "sparks".into(), ..Particles::new(material, 0.1, vec![spark]) });
 }
 
 /// Something that a scene may have.
@@ -364,6 +378,12 @@ pub const OF_LIT: &[Feature] = &[
           blended surface: UNLIT, blended surface: BLEND, blended surface: LIGHT_TARGET",
         ],
     ),
+    summed("particles", |s| particles(s, false), &[SUMMED, SPARKS]),
+    summed(
+        "particles with a texture",
+        |s| particles(s, true),
+        &[SUMMED, SPARKS, "particles: binding textures, particles: SLOT_EMISSIVE, image picture"],
+    ),
 ];
 
 /// What two features bring that neither has by itself.
@@ -383,6 +403,7 @@ const SUMMING: &[&str] = &[
     "a lightmap",
     "an unlit neighbour",
     "a blended neighbour",
+    "particles",
 ];
 const SHADOWED: &str = "lighting: binding shadow, lighting: SHADOWS, image shadow map, buffer shadow views, buffer casters, \
                         pipeline shadow, shadow caster:";
@@ -406,7 +427,11 @@ const JOINT: &[Joint] = &[
     Joint { of: [&["background colour"], SUMMING], objects: "tonemap: BACKGROUND" },
     // What is fogged before something is blended over it; and the part of a colour that it covers.
     Joint { of: [&["fog"], &["a blended neighbour"]], objects: "pipeline fog, fog:, blended surface: FOG" },
-    Joint { of: [&["background colour"], &["a blended neighbour"]], objects: "tonemap: TRANSLUCENCY" },
+    Joint { of: [&["fog"], &["particles"]], objects: "subpass fog, pipeline fog, fog:, particles: FOG" },
+    Joint {
+        of: [&["background colour"], &["a blended neighbour", "particles"]],
+        objects: "tonemap: TRANSLUCENCY",
+    },
     // Beyond the boxes.
     Joint { of: [&["an environment"], &["probes"]], objects: "surface lit: HAS_ENVIRONMENT" },
 ];

@@ -18,12 +18,12 @@ const WATER_M: f32 = -0.09;
 /// Of the basin's floor at its deep end.
 const FLOOR_M: f32 = -1.25;
 /// Where the fire is.
-const FIRE: Vec3 = Vec3::new(-2.05, 0.62, -0.75);
+const FIRE: Vec3 = Vec3::new(-1.15, 0.62, -1.62);
 
 /// The file's bytes.
 pub fn glb() -> Vec<u8> {
     let mut glb = Glb::default();
-    let stone = glb.texture("stone", &picture(128, stone));
+    let stone = glb.texture("stone", &picture(112, stone));
     let tiles = glb.texture("tiles", &picture(128, tiles));
     garden(&mut glb, stone);
     basin(&mut glb, tiles);
@@ -32,7 +32,7 @@ pub fn glb() -> Vec<u8> {
     fire(&mut glb);
     steam(&mut glb);
     lights(&mut glb);
-    glb.perspective("main", 40.0, Pose::looking(Vec3::new(2.35, 1.5, 2.75), Vec3::new(-0.25, -0.2, -0.15)));
+    glb.perspective("main", 41.0, Pose::looking(Vec3::new(2.1, 1.75, 3.0), Vec3::new(-0.12, 0.02, -0.2)));
     glb.perspective("low", 44.0, Pose::looking(Vec3::new(0.9, 0.42, 2.3), Vec3::new(-0.5, -0.05, -0.4)));
     glb.finish("pool")
 }
@@ -182,7 +182,7 @@ fn things(glb: &mut Glb, texture: Slot) {
     for (i, (x, z, size)) in
         [(0.35, -0.1, 0.5), (1.05, 0.2, 0.42), (1.45, -0.25, 0.46)].into_iter().enumerate()
     {
-        let top = WATER_M + 0.05 - 0.16 * i as f32;
+        let top = WATER_M + 0.06 - 0.24 * i as f32;
         let height = top - FLOOR_M;
         let stone = block(Vec3::new(size, height, size * 0.8), Vec3::ZERO, 0.05);
         place(
@@ -197,7 +197,7 @@ fn things(glb: &mut Glb, texture: Slot) {
 
 /// A surface that small waves cross.
 fn water(glb: &mut Glb) {
-    let (columns, rows) = (72, 48);
+    let (columns, rows) = (56, 36);
     let surface = Mesh::smooth_patch(columns, rows, |u, v| {
         let place = Vec2::new((u - 0.5) * WIDTH_M, (0.5 - v) * LENGTH_M);
         let long = gradient_noise(Vec2::new(u * 5.0, v * 4.0), IVec2::new(5, 4), 17);
@@ -316,7 +316,7 @@ fn steam(glb: &mut Glb) {
         base_color: Vec3::ZERO,
         emissive: Vec3::new(0.5, 0.56, 0.62),
         emissive_texture: Some(wisp),
-        emissive_strength: 0.11,
+        emissive_strength: 0.42,
         ..Material::default()
     });
     let wisps: Vec<_> = (0..56)
@@ -359,14 +359,14 @@ fn lights(glb: &mut Glb) {
         kind: LightKind::Point { intensity_cd, range_m },
     };
     glb.light(
-        point("fire", Vec3::new(1.0, 0.5, 0.2), 7.0, 9.0),
+        point("fire", Vec3::new(1.0, 0.5, 0.2), 9.0, 9.0),
         Pose::at(FIRE.x + 0.1, FIRE.y + 0.5, FIRE.z + 0.1),
     );
     glb.light(point("pool lamp", Vec3::new(0.75, 0.95, 1.0), 2.2, 4.0), Pose::at(1.5, -0.75, 0.95));
     let moon = Light {
         name: "moon",
         color: Vec3::new(0.6, 0.75, 1.0),
-        kind: LightKind::Directional { illuminance_lx: 0.75 },
+        kind: LightKind::Directional { illuminance_lx: 1.5 },
     };
     glb.light(moon, Pose::looking(Vec3::new(1.6, 4.0, 2.4), Vec3::new(-0.2, 0.0, -0.2)));
 }

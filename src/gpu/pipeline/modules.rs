@@ -59,7 +59,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             let opaque = depth_behind(plan);
             let fragment = (!first || opaque.is_some()).then_some(Module::Peel);
             let behind_opaque = *first && opaque == Some(true);
-            (Module::GeometryVertex, fragment, surface(kind).and(Specialization::peel(behind_opaque)))
+            (Module::GeometryVertex, fragment, surface(kind).and(Specialization::behind(Some(behind_opaque))))
         }
         Pipeline::Fog => (Module::Fullscreen, Some(Module::Fog), Specialization::default()),
         Pipeline::Particles(kind) => {

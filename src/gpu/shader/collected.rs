@@ -26,9 +26,4 @@ impl Specialization {
             (const { shared("ID_BEHIND_OPAQUE") }, lighting_reads.unwrap_or_default().into()),
         ])
     }
-
-    /// The constant of [`super::Module::Peel`]: whether it reads the depth that lighting reads.
-    pub fn peel(behind_opaque: bool) -> Self {
-        Self::from_pairs(&[(const { shared("ID_BEHIND_OPAQUE") }, behind_opaque.into())])
-    }
 }
