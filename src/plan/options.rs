@@ -116,7 +116,7 @@ pub struct Options {
     /// Smooth edges, found by depth and normals of neighbours (Koonce 2007, listing 19-3), in a pass after the frame's own.
     pub edge_filter: bool,
     /// Shadows by counting, in the stencil, the spaces behind what faces a light, in place of shadow maps: directional, point and spot
-    /// lights, each added by itself.
+    /// lights, each added by itself. [`crate::scene::Shadow::volume`] says so of one light, and wins.
     pub shadow_volumes: bool,
 }
 

@@ -21,6 +21,12 @@ pub struct ShadowNeed {
     pub guard_texels: u32,
     /// The light may move: nothing is kept for it.
     pub dynamic: bool,
+    /// Whether it asks for a volume or for the map; `None` if it leaves that to the options.
+    pub volume: Option<bool>,
+    /// It is a point light.
+    pub is_point: bool,
+    /// It shines through a globe map.
+    pub has_globe_map: bool,
     /// Why its shadow cannot be a volume; `None` if it can.
     pub no_volume: Option<&'static str>,
 }
@@ -135,6 +141,9 @@ impl ShadowNeeds {
                 shape,
                 guard_texels: scene.lights[light].shadow.map_or(0, guard_texels),
                 dynamic: scene.lights[light].dynamic,
+                volume: scene.lights[light].shadow.and_then(|shadow| shadow.volume),
+                is_point: matches!(scene.lights[light].kind, LightKind::Point { .. }),
+                has_globe_map: scene.lights[light].shown_globe_map().is_some(),
                 no_volume: no_volume(scene, &scene.lights[light]),
             })
             .collect();

@@ -16,34 +16,41 @@ pub(super) struct VolumeLights {
     pub(super) notes: Vec<String>,
 }
 
+/// Lights that ask for a volume have one where the frame can; `Options::shadow_volumes` asks for all that do not ask for the map.
+///
 /// # Errors
-/// [`Error::Unsupported`] if the options leave no G-buffer or ask for another use of the stencil, and where the device cuts volumes
-/// off at the far plane.
+/// [`Error::Unsupported`] if the options ask for volumes and leave no G-buffer or ask for another use of the stencil, and where the
+/// device cuts volumes off at the far plane.
 pub(super) fn resolve(needs: &Needs, options: &Options, path: Path, limits: &Limits) -> Result<VolumeLights> {
     let mut found = VolumeLights { lights: Vec::new(), notes: Vec::new() };
-    if !options.shadow_volumes || needs.lit.is_none() {
+    let lights = &needs.shadows.lights;
+    let any_asks = options.shadow_volumes || lights.iter().any(|light| light.volume == Some(true));
+    if !any_asks || needs.lit.is_none() {
         return Ok(found);
     }
-    let refused = |what: String, remedy: &str| Err(Error::unsupported(what, remedy.to_owned()));
-    if path != Path::Deferred {
-        let what = format!("shadow volumes need a G-buffer, which the path {path} has not");
-        return refused(what, "use --path deferred, or leave --shadow-volumes out for shadow maps");
+    let obstacle = obstacle(options, path, limits);
+    if let Some((what, remedy)) = &obstacle
+        && options.shadow_volumes
+    {
+        return Err(Error::unsupported(
+            what,
+            format!("{remedy}, or leave --shadow-volumes out for shadow maps"),
+        ));
     }
-    if let asked @ (LightWay::Volumes | LightWay::Stencil) = options.lights {
-        let what = format!("shadow volumes add their lights by themselves, and '{asked}' would do it again");
-        return refused(what, "use --lights auto, clusters or fullscreen");
-    }
-    if !limits.depth_clamp {
-        let what = "the device has no depthClamp, without which the far plane cuts shadow volumes off".into();
-        return refused(what, "leave --shadow-volumes out for shadow maps");
-    }
-    for need in &needs.shadows.lights {
-        let blended =
-            needs.blended.as_ref().map(|_| "what is blended is lit as it is drawn, when no count is left");
-        match need.no_volume.or(blended) {
-            None => found.lights.push(need.light),
-            Some(why) => found.notes.push(format!("light '{}' keeps its shadow map: {why}", need.name)),
-        }
+    let blended =
+        needs.blended.as_ref().map(|_| "what is blended is lit as it is drawn, when no count is left");
+    let in_all = obstacle.as_ref().map(|(what, _)| what.as_str()).or(blended);
+    for need in lights {
+        let (asks, why) = match need.volume {
+            Some(volume) => (volume, "it asks for one"),
+            None if options.shadow_volumes => (true, "all are asked to"),
+            None => (false, "it asks for nothing else"),
+        };
+        let refused = need.no_volume.or(in_all).filter(|_| asks);
+        let is_volume = asks && refused.is_none();
+        found.lights.extend(is_volume.then_some(need.light));
+        let has = if is_volume { "counts its shadow as volumes" } else { "keeps its shadow map" };
+        found.notes.push(format!("light '{}' {has}: {}", need.name, refused.unwrap_or(why)));
     }
     if !found.lights.is_empty() {
         let lights = match found.lights.len() {
@@ -55,4 +62,18 @@ pub(super) fn resolve(needs: &Needs, options: &Options, path: Path, limits: &Lim
         ));
     }
     Ok(found)
+}
+
+/// What keeps every light of the frame from volumes, and what to do about it.
+fn obstacle(options: &Options, path: Path, limits: &Limits) -> Option<(String, &'static str)> {
+    if path != Path::Deferred {
+        let what = format!("shadow volumes need a G-buffer, which the path {path} has not");
+        return Some((what, "use --path deferred"));
+    }
+    if let asked @ (LightWay::Volumes | LightWay::Stencil) = options.lights {
+        let what = format!("shadow volumes add their lights by themselves, and '{asked}' would do it again");
+        return Some((what, "use --lights auto, clusters or fullscreen"));
+    }
+    let what = "the device has no depthClamp, without which the far plane cuts shadow volumes off";
+    (!limits.depth_clamp).then(|| (what.into(), "use another device"))
 }

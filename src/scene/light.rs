@@ -88,6 +88,9 @@ pub struct Shadow {
     /// Receivers are moved this far along their normal before they are compared, in texels of the shadow map at their
     /// place: less shows stripes on surfaces that the light grazes, more detaches shadows from what casts them.
     pub bias_texels: f32,
+    /// Whether it is counted as a volume on the tile or looked up in the map; `None` leaves that to the frame's options. A light whose
+    /// shadow cannot be a volume, or a frame without a G-buffer, has the map all the same, and the plan says why.
+    pub volume: Option<bool>,
 }
 
 impl Shadow {
@@ -100,7 +103,7 @@ impl Shadow {
 impl Default for Shadow {
     /// Smoothed over a texel and a half either way, and moved as far.
     fn default() -> Self {
-        Self { spread_texels: 1.5, bias_texels: 1.5 }
+        Self { spread_texels: 1.5, bias_texels: 1.5, volume: None }
     }
 }
 

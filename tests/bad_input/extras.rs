@@ -24,6 +24,7 @@ fn wrong_values_are_told_with_their_place() {
         ("point", json!({"shadow": {"spread": 1}}), ".shadow.spread", "not a name"),
         ("point", json!({"shadow": {"bias_texels": -1}}), ".shadow.bias_texels", "from 0 to 64"),
         ("point", json!({"shadow": {"bias_texels": 65}}), ".shadow.bias_texels", "from 0 to 64"),
+        ("point", json!({"shadow": {"volume": 1}}), ".shadow.volume", "true or false"),
         ("point", json!({"shadow": {"spread_texels": 12.5}}), ".shadow.spread_texels", "from 0 to 12"),
         ("point", json!({"dynamic": 1}), ".dynamic", "true or false"),
         ("point", json!({"priority": "high"}), ".priority", "a number"),

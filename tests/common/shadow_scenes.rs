@@ -31,6 +31,22 @@ pub fn one_light_each() -> Vec<Scene> {
         .to_vec()
 }
 
+/// [`room`] under five lights: sun and bulb ask for volumes, which the box that asks for one cannot have; the spot asks for the map, and
+/// the wide cone for neither.
+pub fn chosen() -> Scene {
+    let volume = |name: &str| match name {
+        "spot" => Some(false),
+        "wide" => None,
+        _ => Some(true),
+    };
+    let mut scene = Scene { name: "chosen shadows".into(), ..room() };
+    scene.lights = one_light_each().into_iter().flat_map(|scene| scene.lights).collect();
+    for light in &mut scene.lights {
+        light.shadow = Some(Shadow { volume: volume(&light.name), ..Shadow::default() });
+    }
+    scene
+}
+
 /// Floor, wall, ball and posts in the dark.
 pub fn room() -> Scene {
     let mut scene = Scene { name: "room".into(), cameras: vec![camera()], ..Scene::default() };

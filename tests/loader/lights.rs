@@ -66,10 +66,10 @@ fn without_extras_lights_cast_shadows_and_nothing_more() {
 #[test]
 fn extras_of_the_node_count_before_those_of_the_light() {
     let own = ontile(json!({"shadow": false, "priority": 2.5, "dynamic": true}));
-    let node = ontile(json!({"shadow": {"spread_texels": 4}, "priority": -1}));
+    let node = ontile(json!({"shadow": {"spread_texels": 4, "volume": true}, "priority": -1}));
     let scene = load(&[("point", own.clone(), node), ("point", own, json!(null))]);
     let [both, own] = &scene.lights[..] else { panic!() };
-    assert_eq!(both.shadow, Some(Shadow { spread_texels: 4.0, ..Shadow::default() }));
+    assert_eq!(both.shadow, Some(Shadow { spread_texels: 4.0, volume: Some(true), ..Shadow::default() }));
     assert_eq!((both.priority, both.dynamic), (-1.0, true));
     assert_eq!((own.shadow, own.priority, own.dynamic), (None, 2.5, true));
 }

@@ -104,7 +104,8 @@ fn what_is_created_is_what_is_explained() {
         for scene in scenes::built().into_iter().chain(scenes::shipped()).chain(samples) {
             all.extend(problems(gpu, &scene, small()));
         }
-        for scene in [scenes::every_feature(), scenes::shadow_scenes::shadows(), scenes::foggy_lights()] {
+        let shadowed = [scenes::shadow_scenes::shadows(), scenes::shadow_scenes::chosen()];
+        for scene in [scenes::every_feature(), scenes::foggy_lights()].into_iter().chain(shadowed) {
             for options in [
                 Options { strategy: Strategy::Separate, ..small() },
                 Options { path: Path::Forward, depth_prepass: true, ..small() },

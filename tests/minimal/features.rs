@@ -15,14 +15,20 @@ mod table;
 /// What exists, by kind and name. Pipelines go by what they do, without what sets those of a sort apart.
 type Objects = BTreeSet<String>;
 
+/// With what shadow volumes take.
+fn limits() -> Limits {
+    Limits { depth_clamp: true, ..Limits::default() }
+}
+
 pub fn objects(scene: &Scene, options: &Options) -> Objects {
-    let plan = Plan::new(Needs::of(scene), options.clone(), &Limits::default());
+    let plan = Plan::new(Needs::of(scene), options.clone(), &limits());
     let plan = plan.unwrap_or_else(|error| panic!("{}: {error}", scene.name));
     let sort = |pipeline: &str| {
         let sorts = [
             "surface unlit",
             "surface lit",
             "shadow caster",
+            "shadow volume",
             "shadow clear",
             "shadow compose",
             "lighting",
@@ -33,6 +39,9 @@ pub fn objects(scene: &Scene, options: &Options) -> Objects {
             "blended surface",
             "particles",
         ];
+        if pipeline.starts_with("light, where its shadow volumes are not") {
+            return "shadowed light".to_owned();
+        }
         let known = sorts.iter().chain(&["depth"]).find(|sort| pipeline.starts_with(*sort));
         known.unwrap_or_else(|| panic!("{pipeline}")).to_string()
     };

@@ -254,6 +254,21 @@ pub const OF_LIT: &[Feature] = &[
           shadow caster: attribute position, shadow caster: binding instances, shadow caster: push constants",
         ],
     ),
+    summed(
+        "a shadow volume",
+        |s| {
+            second_triangle(s);
+            s.lights[0].shadow = Some(Shadow { volume: Some(true), ..Shadow::default() });
+        },
+        &[
+            SUMMED,
+            "attachment depth_stencil_test, buffer volume casters, buffer volume caster instances, lighting: SHADOW_VOLUMES, \
+          pipeline shadow volume, shadow volume: binding frame, shadow volume: binding volume caster instances, \
+          shadow volume: binding volume casters, shadow volume: push constants, pipeline shadowed light, shadowed light: HAS_DIRECTIONAL, \
+          shadowed light: ONE_LIGHT, shadowed light: VOLUME_SHAPE, shadowed light: binding frame, shadowed light: binding lights, \
+          shadowed light: input base_metallic, shadowed light: input depth, shadowed light: input normal_roughness",
+        ],
+    ),
     feature(
         "metallic-roughness",
         |s| s.materials[0].metallic_roughness_texture = picture(s),
@@ -404,6 +419,7 @@ const SUMMING: &[&str] = &[
     "an unlit neighbour",
     "a blended neighbour",
     "particles",
+    "a shadow volume",
 ];
 const SHADOWED: &str = "lighting: binding shadow, lighting: SHADOWS, image shadow map, buffer shadow views, buffer casters, \
                         pipeline shadow, shadow caster:";
@@ -422,6 +438,9 @@ const JOINT: &[Joint] = &[
     },
     // There is something for the shadow to fall on.
     Joint { of: [&["a shadow on nothing"], &["second triangle", "an unlit neighbour"]], objects: SHADOWED },
+    // What has no volume is in a map.
+    Joint { of: [&["a shadow volume"], &["light from behind", "a blended neighbour"]], objects: SHADOWED },
+    Joint { of: [&["a shadow volume"], &["light from behind"]], objects: "attachment depth_test" },
     // What is summed is fogged, and tells surfaces from background, afterwards.
     Joint { of: [&["fog"], SUMMING], objects: "tonemap: FOG, tonemap: input depth" },
     Joint { of: [&["background colour"], SUMMING], objects: "tonemap: BACKGROUND" },

@@ -1,12 +1,13 @@
 //! Shadows counted in the stencil: where rays say, to the pixel, wherever the camera and the light are, and however the frame is made.
 
 use crate::common::render::{Gpu, difference, on_device};
-use crate::common::scenes::shadow_scenes::{one_light_each, room, shadows};
+use crate::common::scenes::shadow_scenes::{chosen, one_light_each, room, shadows};
 use crate::rays::{Disagreement, expected, light_of};
 use crate::{BALL, SIZE, options, three_lights};
-use ontile::glam::{Mat4, Vec3};
+use ontile::glam::{DVec3, Mat4, Vec3};
 use ontile::plan::{Layout, LightWay, Limits, Needs, Options, Path, Plan, ShadowFilter, Store, Strategy};
 use ontile::scene::{Light, LightKind, Projection, Scene, Shadow};
+use std::collections::BTreeSet;
 
 fn by_volumes() -> Options {
     Options { shadow_volumes: true, ..options(ShadowFilter::Hardware) }
@@ -136,6 +137,8 @@ fn arrangements_do_not_change_volumes() {
         check(&scene, Options { samples: 4, shadow_volumes: true, size: SIZE, ..Options::default() });
         // Masked casters: those lights keep their maps, the others do not.
         check(&shadows(), Options { size: SIZE, shadow_volumes: true, ..Options::default() });
+        check(&chosen(), Options { size: SIZE, ..Options::default() });
+        check(&chosen(), Options { size: SIZE, layout: Layout::Packed128, samples: 4, ..Options::default() });
         // What has moved casts its shadow from there.
         let mut offscreen = gpu.offscreen(&scene, gpu.plan(&scene, by_volumes()), Default::default());
         let mut moved = scene.clone();
@@ -166,4 +169,51 @@ fn the_stencil_never_leaves_the_tile() {
     }
     let refused = Plan::new(Needs::of(&scene), by_volumes(), &Limits::default()).unwrap_err().to_string();
     assert!(refused.contains("depthClamp"), "{refused}");
+}
+
+/// Of linear light: sums of floats in another order.
+const SUM_TOLERANCE: f64 = 1e-5;
+
+/// Each light's picture by itself, added up, is the picture: whatever the others do, a light has the shadow that it asks for.
+#[test]
+fn lights_choose_for_themselves() {
+    on_device(None, |gpu| {
+        let scene = chosen();
+        let maps = options(ShadowFilter::Hardware);
+        let plan = gpu.plan(&scene, maps.clone());
+        let of_map = plan.shadow_map.as_ref().unwrap().lights.iter().map(|light| light.name.clone());
+        let named = |plan: &Plan| {
+            plan.volume_lights.iter().map(|&i| scene.lights[i].name.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(named(&plan), ["sun", "bulb"]);
+        assert_eq!(of_map.collect::<BTreeSet<_>>(), ["slab", "spot", "wide"].map(String::from).into());
+        for told in [
+            "light 'sun' counts its shadow as volumes: it asks for one",
+            "light 'slab' keeps its shadow map: its light begins at a face of its box",
+            "light 'spot' keeps its shadow map: it asks for one",
+            "light 'wide' keeps its shadow map: it asks for nothing else",
+        ] {
+            assert!(plan.notes.iter().any(|note| note.starts_with(told)), "{told}: {:?}", plan.notes);
+        }
+        // The flag is for lights that do not say, and only it makes a frame without volumes an error.
+        assert_eq!(named(&gpu.plan(&scene, by_volumes())), ["sun", "bulb", "wide"]);
+        let forward = gpu.plan(&scene, Options { path: Path::Forward, ..maps.clone() });
+        assert_eq!((forward.volume_lights.len(), forward.shadow_map.unwrap().lights.len()), (0, 5));
+        let told = "light 'sun' keeps its shadow map: shadow volumes need a G-buffer";
+        assert!(forward.notes.iter().any(|note| note.starts_with(told)), "{:?}", forward.notes);
+
+        let together = light_of(&gpu.picture(&scene, plan, 0.0));
+        let mut sum = vec![DVec3::ZERO; together.len()];
+        for light in &scene.lights {
+            let by_volume = ["sun", "bulb"].contains(&&*light.name);
+            let shadow = Some(Shadow { volume: None, ..Shadow::default() });
+            let alone = Scene { lights: vec![Light { shadow, ..light.clone() }], ..scene.clone() };
+            let plan = gpu.plan(&alone, Options { shadow_volumes: by_volume, ..maps.clone() });
+            assert_eq!(plan.shadow_map.is_none(), by_volume, "{}", light.name);
+            let picture = light_of(&gpu.picture(&alone, plan, 0.0));
+            sum.iter_mut().zip(picture).for_each(|(sum, light)| *sum += light);
+        }
+        let far = sum.iter().zip(&together).filter(|(a, b)| (**a - **b).abs().max_element() > SUM_TOLERANCE);
+        assert_eq!(far.count(), 0);
+    });
 }

@@ -6,7 +6,9 @@ use super::super::shader::{
     shared, target_number,
 };
 use crate::environment::TexelFormat;
-use crate::plan::{DecalKind, DecalWay, Edges, Form, Format, Pipeline, Plan, SurfaceKind, VolumeShape};
+use crate::plan::{
+    DecalKind, DecalWay, Edges, Form, Format, Pipeline, Plan, ShadowNeed, SurfaceKind, VolumeShape,
+};
 use crate::visible::ShadowShape;
 
 /// Vertex and fragment shader of a pipeline, the latter where it has one (what only tests depth has none), and what they
@@ -139,7 +141,17 @@ pub(super) fn lighting_constants(plan: &Plan, pipeline: &Pipeline) -> LightingCo
     };
     let one_by_one = plan.light_way.is_one_by_one();
     match pipeline.per_pixel() {
-        Pipeline::ShadowedLight => all.one_counted(),
+        Pipeline::ShadowedLight => {
+            let counted = |need: &&ShadowNeed| plan.volume_lights.contains(&need.light);
+            let any = |is: fn(&ShadowNeed) -> bool| plan.needs.shadows.lights.iter().filter(counted).any(is);
+            LightingConstants {
+                has_directional: any(|light| light.shape.is_parallel()),
+                has_point: any(|light| light.is_point),
+                has_spot: any(|light| !light.is_point && !light.shape.is_parallel()),
+                globe_maps: any(|light| light.has_globe_map),
+                ..all.one_counted()
+            }
+        }
         Pipeline::Lighting if one_by_one => all.only_global(has_shadows(plan, ShadowShape::Cascades)),
         Pipeline::LightVolume(_) => all.one_local(
             [ShadowShape::Slab, ShadowShape::Cone, ShadowShape::Cube].iter().any(|&s| has_shadows(plan, s)),

@@ -206,6 +206,7 @@ impl LightingConstants {
     pub fn one_counted(self) -> Self {
         Self {
             scan: LightLoop::One,
+            has_box: false,
             has_hemisphere: false,
             shadow_filter: None,
             shadow_volumes: false,

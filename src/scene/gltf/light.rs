@@ -2,7 +2,7 @@
 //!
 //! | `extras.ontile` | on | value | without it |
 //! |---|---|---|---|
-//! | `shadow` | all but hemispheres | `true`, `false`, or `{"spread_texels": 0 to 12, "bias_texels": 0 to 64}` ([`Shadow`]) | `true` |
+//! | `shadow` | all but hemispheres | `true`, `false`, or `{"spread_texels": 0 to 12, "bias_texels": 0 to 64, "volume": true or false}` ([`Shadow`]) | `true` |
 //! | `dynamic` | all | `true` or `false`; nodes below have it too ([`Light::dynamic`]) | `false` |
 //! | `baked` | all | `true` or `false` ([`Light::baked`]) | `false` |
 //! | `priority` | all | number ([`Light::priority`]) | 0 |
@@ -140,7 +140,7 @@ fn shadow(kind: LightKind, extras: &Extras) -> Result<Option<Shadow>> {
     let shadow = match extra.as_bool() {
         Some(on) => on.then(Shadow::default),
         None => {
-            let numbers = extra.object(&["spread_texels", "bias_texels"])?;
+            let numbers = extra.object(&["spread_texels", "bias_texels", "volume"])?;
             let default = Shadow::default();
             let spread = |n| (0.0..=Shadow::MOST_SPREAD_TEXELS).contains(&n);
             let bias = |n| (0.0..=Shadow::MOST_BIAS_TEXELS).contains(&n);
@@ -152,6 +152,7 @@ fn shadow(kind: LightKind, extras: &Extras) -> Result<Option<Shadow>> {
                     spread,
                 )?,
                 bias_texels: numbers.number_or("bias_texels", default.bias_texels, " from 0 to 64", bias)?,
+                volume: numbers.get("volume").map(Extra::bool).transpose()?,
             })
         }
     };
