@@ -70,6 +70,7 @@ impl CasterKind {
         let mask = match material.alpha_mode {
             AlphaMode::Mask { .. } if mask.textured || mask.vertex_color => Some(mask),
             AlphaMode::Mask { cutoff } if material.base_color_factor.w < cutoff => return None,
+            _ if material.shows_behind() => return None,
             AlphaMode::Blend => return None,
             _ => None,
         };

@@ -76,6 +76,8 @@ fn material(m: &Material) -> Problem {
         || matches!(m.alpha_mode, AlphaMode::Mask { cutoff } if !cutoff.is_finite())
     {
         Some("the normal's scale or the alpha cutoff is not finite")
+    } else if let Some(problem) = m.transmission.as_ref().and_then(super::Transmission::problem) {
+        Some(problem)
     } else if !rows.into_iter().all(|row| row.is_finite()) {
         Some("a texture transform is not finite")
     } else {

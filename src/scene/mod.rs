@@ -18,6 +18,7 @@ mod mipmaps;
 mod particles;
 mod probe;
 mod surroundings;
+mod transmission;
 
 pub use camera::{Camera, Projection};
 pub use decal::{Decal, DecalChannels};
@@ -31,6 +32,7 @@ pub use mesh::{Aabb, Instance, Mesh};
 pub use mipmaps::{MipLevel, mip_level_count, mipmaps};
 pub use particles::{Particle, Particles};
 pub use probe::Probe;
+pub use transmission::Transmission;
 pub use surroundings::{Background, Fog, FogHeight};
 
 use glam::Vec3;
@@ -106,9 +108,9 @@ impl Scene {
         self.instances.iter().filter(|i| self.is_drawn(i))
     }
 
-    /// Whether an instance's material is blended over what is behind it ([`AlphaMode::Blend`]).
+    /// Whether an instance's material shows what is behind it ([`Material::shows_behind`]).
     pub(crate) fn is_blended(&self, instance: &Instance) -> bool {
-        self.materials[self.meshes[instance.mesh].material].alpha_mode == AlphaMode::Blend
+        self.materials[self.meshes[instance.mesh].material].shows_behind()
     }
 
     /// Whether an instance has triangles to draw.

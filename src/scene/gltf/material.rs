@@ -125,6 +125,7 @@ impl Materials {
             occlusion_strength,
             emissive_factor,
             emissive_texture: self.use_texture(doc, emissive.filter(|_| emits))?,
+            transmission: self.transmission(doc, material, index)?,
             ..shared
         })
     }
