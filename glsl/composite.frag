@@ -40,5 +40,8 @@ vec4 mean_light() {
 }
 
 void main() {
+#ifdef MULTISAMPLED
+    input_sample = PER_SAMPLE ? gl_SampleID : 0;
+#endif
     light_over(COLLECTED == COLLECTED_SUM ? mean_light() : layers_light());
 }

@@ -23,6 +23,9 @@ const bool SPLIT_LIGHT = FORM == FORM_RASA128;
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
 void main() {
+#ifdef MULTISAMPLED
+    input_sample = PER_SAMPLE ? gl_SampleID : 0;
+#endif
     Fragment fragment = surface_at_fragment();
     Surface surface = fragment.surface;
     vec3 light = indirect_light(fragment);

@@ -9,6 +9,9 @@ layout(set = SET_INPUTS, binding = INPUT_DEPTH, input_attachment_index = INPUT_D
 layout(set = SET_INPUTS, binding = INPUT_PEEL_A, input_attachment_index = INPUT_PEEL_A) uniform inputAttachment input_peel_a;
 
 void main() {
+#ifdef MULTISAMPLED
+    input_sample = PER_SAMPLE ? gl_SampleID : 0;
+#endif
     float behind = BEHIND_OPAQUE ? input_load(input_depth).r : input_load(input_peel_a).r;
     if (gl_FragCoord.z <= behind) {
         discard;

@@ -9,13 +9,15 @@ use super::shader::shared;
 use super::shared::{EnvironmentUniforms, ProbeData};
 use super::{Buffer, BufferDesc, Cubes, Device, Image, ImageDesc, MemoryUse, Owned, Upload, conv};
 use crate::environment::{Prefiltered, split_sum};
-use crate::plan::Plan;
+use crate::plan::{AroundImage, Plan};
 use crate::scene::{Environment, Lightmap, Probe, Scene};
 use crate::{Error, Result};
 
 /// Images and numbers of the plan's `around`; nothing where the plan has none.
 #[derive(Default)]
 pub(super) struct AroundData {
+    /// The plan's list, without reasons.
+    images: Vec<AroundImage>,
     split_sum: Option<Image>,
     radiance: Option<Image>,
     environment: Option<Buffer>,
@@ -41,6 +43,7 @@ impl AroundData {
         let lightmap = scene.lightmap.as_ref().filter(|_| plan.needs.lightmap.is_some());
         let has_table = plan.around.iter().any(|image| image.name == "split_sum");
         let mut data = Self {
+            images: without_reasons(plan),
             split_sum: has_table.then(|| split_sum_table(device, upload)).transpose()?,
             lightmap: lightmap.map(|map| lightmap_image(device, upload, map, plan)).transpose()?,
             sampler: Some(edge_sampler(device, "around")?),
@@ -62,6 +65,11 @@ impl AroundData {
             data.probes = Some(buffer(device, upload, "probes", usage, bytemuck::cast_slice(&content))?);
         }
         Ok(data)
+    }
+
+    /// Whether it is what the plan lists; what the images show is another question.
+    pub(super) fn is_of(&self, plan: &Plan) -> bool {
+        self.images == without_reasons(plan)
     }
 
     /// What a binding of `SET_FRAME` is written with, if it is one of these.
@@ -93,6 +101,10 @@ impl AroundData {
         let buffers = self.environment.iter().chain(&self.probes).map(Buffer::allocated_bytes);
         images.chain(buffers).sum()
     }
+}
+
+fn without_reasons(plan: &Plan) -> Vec<AroundImage> {
+    plan.around.iter().map(|image| AroundImage { why: String::new(), ..image.clone() }).collect()
 }
 
 fn split_sum_table(device: &Device, upload: &mut Upload) -> Result<Image> {

@@ -7,11 +7,12 @@ use super::{Called, Caps, Device, Owned};
 use crate::{Error, Result};
 use ash::vk;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// A pipeline cache.
-#[derive(Debug)]
+/// A pipeline cache. Clones are the same cache.
+#[derive(Clone, Debug)]
 pub struct PipelineCache {
-    raw: Owned<vk::PipelineCache>,
+    raw: Arc<Owned<vk::PipelineCache>>,
 }
 
 impl PipelineCache {
@@ -25,7 +26,7 @@ impl PipelineCache {
         let info = vk::PipelineCacheCreateInfo::default().initial_data(initial);
         // SAFETY: the data is what this driver itself returned: identity and checksum were compared.
         let raw = unsafe { device.create_pipeline_cache(&info, "pipelines") }?;
-        Ok(Self { raw })
+        Ok(Self { raw: Arc::new(raw) })
     }
 
     /// Makes a cache from the file of this device in the user's cache directory; from nothing without one.

@@ -106,7 +106,7 @@ impl Decals {
             return refused(format!("there is no decal {scene_index} to change"), remedy);
         };
         let name = &decal.name;
-        if let Some(problem) = decal.problem(usize::MAX) {
+        if let Some(problem) = decal.numbers_problem() {
             let remedy = "give finite numbers within the range that the decal's description names";
             return refused(format!("decal {scene_index} ('{name}'): {problem}"), remedy.into());
         }

@@ -214,6 +214,11 @@ impl Geometry {
         &self.plan.meshes
     }
 
+    /// The size of both buffers' contents.
+    pub fn content_bytes(&self) -> u64 {
+        self.plan.vertex_bytes + self.plan.index_bytes
+    }
+
     /// The size of both buffers' memory.
     pub fn allocated_bytes(&self) -> u64 {
         self.vertices.iter().chain(&self.indices).map(Buffer::allocated_bytes).sum()
@@ -288,30 +293,12 @@ fn plan(meshes: &[Mesh], streams: &[Option<Streams>]) -> Result<Plan> {
 }
 
 fn check(mesh: &Mesh) -> Result<()> {
-    let vertices = mesh.positions.len();
-    let lengths = [
-        mesh.normals.len(),
-        mesh.tangents.len(),
-        mesh.texcoords[0].len(),
-        mesh.texcoords[1].len(),
-        mesh.colors.len(),
-    ];
-    if lengths.iter().any(|&n| n != 0 && n != vertices) {
-        return Err(Error::unsupported(
-            format!(
-                "mesh '{}' has {vertices} positions, but other attributes of lengths {lengths:?}",
-                mesh.name
-            ),
-            "make every attribute list empty or as long as the positions",
-        ));
-    }
-    if let Some(index) = mesh.indices.iter().find(|&&i| i as usize >= vertices) {
-        return Err(Error::unsupported(
-            format!("mesh '{}' has {vertices} vertices, but an index {index}", mesh.name),
-            "keep every index below the number of vertices",
-        ));
-    }
-    Ok(())
+    mesh.lists_problem().map_or(Ok(()), |problem| {
+        Err(Error::unsupported(
+            format!("mesh '{}' has {problem}", mesh.name),
+            "make every attribute list empty or as long as the positions, and keep indices below their number",
+        ))
+    })
 }
 
 fn attribute(mesh: &Mesh, kind: StreamKind, streams: Streams) -> std::borrow::Cow<'_, [u8]> {

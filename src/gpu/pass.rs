@@ -104,6 +104,14 @@ impl VulkanPass {
         }
     }
 
+    /// What a clear within a stage calls the colour output at a location.
+    pub fn color_attachment(&self, stage: usize, location: usize) -> u32 {
+        match self {
+            Self::RenderPass(..) => location as u32,
+            Self::Rendering(rendering) => rendering.color_attachment(stage, location) as u32,
+        }
+    }
+
     /// Ends the pass.
     pub fn end(&self, recorder: &Recorder<'_>, target: &PassTarget) {
         match (self, target) {

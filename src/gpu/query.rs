@@ -79,6 +79,11 @@ impl Queries {
         })
     }
 
+    /// Timestamps a frame.
+    pub(super) fn per_frame(&self) -> u32 {
+        self.per_frame
+    }
+
     /// Records the reset of a frame slot; once before its other commands, outside of a render pass.
     pub fn reset(&self, recorder: &Recorder<'_>, frame: u32) {
         let frame = frame % self.frames.max(1);

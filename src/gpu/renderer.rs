@@ -4,7 +4,9 @@ mod decals;
 mod particles;
 mod post;
 mod record;
+mod retired;
 mod shadow_volumes;
+mod update;
 
 use std::sync::Arc;
 
@@ -22,9 +24,11 @@ use super::{
     Device, Image, OutputImage, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
 use crate::plan::{FrameCounts, MergeReport, Needs, OutputUse, Plan, State, Usage};
-use crate::scene::{Decal, Light, Particle, Scene};
+use crate::scene::{Changes, Decal, Light, Particle, Scene};
 use crate::{Error, Result};
 use record::Frame;
+use retired::Retired;
+pub use update::Updated;
 
 /// How a [`Renderer`] is set up.
 #[derive(Clone, Copy, Debug)]
@@ -75,15 +79,18 @@ impl Default for RendererConfig {
 pub struct Renderer {
     // In order of destruction.
     upload: Option<Upload>,
-    queries: Queries,
+    /// What frames on the GPU still use of earlier states of the scene.
+    retired: Retired,
+    queries: Arc<Queries>,
     fragments: Option<FragmentQueries>,
     shadows: Option<Shadows>,
     scene: SceneData,
     /// `None` if the plan has no passes after the frame's own.
     post: Option<Arc<PostPasses>>,
-    pipelines: Pipelines,
+    pipelines: Arc<Pipelines>,
     /// Shared with the targets, which are of these passes.
     passes: Arc<[VulkanPass]>,
+    cache: PipelineCache,
     plan: Plan,
     config: RendererConfig,
     device: Device,
@@ -123,27 +130,63 @@ impl Renderer {
         }
         scene.check()?;
         check_formats(device, &plan)?;
-        let passes = plan
-            .passes
-            .iter()
-            .map(|pass| VulkanPass::new(device, &plan, pass))
-            .collect::<Result<Arc<[_]>>>()?;
-        let pipelines = Pipelines::new(device, &plan, &passes, cache)?;
-        let post = PostPasses::new(device, &plan, &pipelines, cache)?.map(Arc::new);
+        Self::with(device, scene, plan, config, cache, None)
+    }
+
+    /// Makes a renderer that shares with another one what has not changed.
+    fn with(
+        device: &Device,
+        scene: &Scene,
+        plan: Plan,
+        config: RendererConfig,
+        cache: &PipelineCache,
+        kept: Option<(&Self, &Changes)>,
+    ) -> Result<Self> {
+        let old = kept.map(|(old, _)| old);
+        let same_passes = old.filter(|old| old.plan.shares_passes(&plan));
+        let same_pipelines = same_passes.filter(|old| old.plan.shares_pipelines(&plan));
+        let passes = match same_passes {
+            Some(old) => Arc::clone(&old.passes),
+            None => plan
+                .passes
+                .iter()
+                .map(|pass| VulkanPass::new(device, &plan, pass))
+                .collect::<Result<Arc<[_]>>>()?,
+        };
+        let pipelines = match same_pipelines {
+            Some(old) => Arc::clone(&old.pipelines),
+            None => Arc::new(Pipelines::new(device, &plan, &passes, cache)?),
+        };
+        let post = match same_pipelines {
+            Some(old) => old.post.clone(),
+            None => PostPasses::new(device, &plan, &pipelines, cache)?.map(Arc::new),
+        };
         let mut upload = Upload::new(device);
         let slot_count = config.frames_in_flight.max(1);
         let map = plan.shadow_map.as_ref();
         let resources = map.map(|map| ShadowResources::new(device, map, slot_count, config.capture));
         let resources = resources.transpose()?;
-        let data =
-            SceneData::new(device, scene, &plan, &pipelines, resources.as_ref(), slot_count, &mut upload)?;
+        let kept_data = kept.map(|(old, changes)| (&old.scene, changes));
+        let data = SceneData::new(
+            device,
+            scene,
+            &plan,
+            &pipelines,
+            resources.as_ref(),
+            slot_count,
+            &mut upload,
+            kept_data,
+        )?;
         let shadows = map.zip(resources).map(|(map, resources)| {
             let most = config.shadow_tiles_per_frame;
             Shadows::new(device, scene, (&plan, map), (resources, &data), most, cache)
         });
         let shadows = shadows.transpose()?;
         let timestamps = if config.stage_timestamps { plan.stage_count() + 1 } else { 2 };
-        let queries = Queries::new(device, timestamps as u32, slot_count as u32)?;
+        let queries = match old.filter(|old| old.queries.per_frame() == timestamps as u32) {
+            Some(old) => Arc::clone(&old.queries),
+            None => Arc::new(Queries::new(device, timestamps as u32, slot_count as u32)?),
+        };
         let fragments = config
             .count_fragments
             .then(|| FragmentQueries::new(device, &plan, data.objects().most_runs(), slot_count));
@@ -156,10 +199,12 @@ impl Renderer {
             post,
             pipelines,
             passes,
+            cache: cache.clone(),
             plan,
             config,
             device: device.clone(),
-            recorded: Recorded::default(),
+            recorded: old.map_or_else(Recorded::default, |old| old.recorded),
+            retired: Retired::new(slot_count),
         })
     }
 
@@ -340,7 +385,11 @@ impl Renderer {
         output: usize,
         view: &View<'_>,
     ) {
-        assert!(target.is_of(&self.passes), "the target was created by another renderer");
+        assert!(
+            target.is_of(&self.passes),
+            "the target was created by another renderer, or before an update that asked for new targets"
+        );
+        self.retired.recording(slot);
         let vk::Extent2D { width, height } = target.extent();
         let exposure = view.exposure();
         let scattered = target.post().map_or([0.0; 2], |post| post.scattered(&self.plan, exposure));

@@ -163,6 +163,12 @@ impl Rendering {
         self.stages[stage].locations.iter().map(of).collect()
     }
 
+    /// A colour attachment of the rendering, by the output location that a stage has it at.
+    pub fn color_attachment(&self, stage: usize, location: usize) -> usize {
+        let has = |&of: &u32| of as usize == location;
+        self.stages[stage].locations.iter().position(has).expect("the stage writes there")
+    }
+
     /// For a pipeline of a stage.
     pub fn parts(&self, stage: usize) -> RenderingParts<'_> {
         let stage = &self.stages[stage];

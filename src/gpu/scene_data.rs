@@ -1,7 +1,10 @@
 //! A scene on the device: buffers, textures, descriptor sets, and the order in which it is drawn.
 
+mod wanted;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
+use std::sync::Arc;
 
 use ash::vk;
 
@@ -13,18 +16,20 @@ use super::globe_maps::GlobeMaps;
 use super::light_lists::LightLists;
 use super::lights::{Lights, VolumeLight};
 use super::material_data::Materials;
+use super::meshes::Meshes;
 use super::objects::{Batch, Objects};
 use super::particles::SceneParticles;
 use super::pipeline::{Family, FamilyLayout, Pipelines};
 use super::shader::shared;
 use super::shadow::ShadowResources;
-use super::texture_keys::{material_kind, material_textures, texture_keys};
 use super::volume_casters::VolumeCasters;
-use super::{ColorEncoding, Device, Geometry, Recorder, Streams, TextureKey, Textures, Upload, View};
+use super::{ColorEncoding, Device, Recorder, TextureKey, Textures, Upload, View};
 use crate::Result;
-use crate::plan::{FrameCounts, Pipeline, Plan, StateChanges, SurfaceKind, VolumeShape};
-use crate::scene::Scene;
+use crate::plan::{FrameCounts, Plan, StateChanges, VolumeShape};
+use crate::scene::{Changes, Scene};
 use crate::visible::Reach;
+use wanted::{material_kind, material_textures, streams, texture_keys};
+pub(super) use wanted::{surface, vertex_streams};
 
 /// A scene on the device.
 pub(super) struct SceneData {
@@ -40,11 +45,11 @@ pub(super) struct SceneData {
     /// One a frame slot.
     frames: Vec<FrameData>,
     materials: Option<Materials>,
-    geometry: Geometry,
+    meshes: Meshes,
     textures: Textures,
     globe_maps: Option<GlobeMaps>,
     volume_casters: Option<VolumeCasters>,
-    around: AroundData,
+    around: Arc<AroundData>,
     ambient_nt: glam::Vec3,
 }
 
@@ -57,6 +62,7 @@ impl SceneData {
         shadows: Option<&ShadowResources>,
         slots: usize,
         upload: &mut Upload,
+        kept: Option<(&Self, &Changes)>,
     ) -> Result<Self> {
         let objects = Objects::new(scene, plan);
         let globes = (plan.needs.globe_maps > 0).then(|| scene.globe_layers()).transpose()?;
@@ -68,9 +74,17 @@ impl SceneData {
         let of_objects = objects.batches().iter().map(|batch| batch.material);
         let materials: BTreeSet<_> = of_objects.chain(others.iter().map(|(_, m)| *m)).collect();
         let streams = streams(scene, plan, objects.batches());
-        let geometry = Geometry::new(device, upload, &scene.meshes, &streams)?;
+        let old = kept.map(|(old, changes)| (&old.meshes, &changes.meshes[..]));
+        let meshes = Meshes::new(device, upload, &scene.meshes, &streams, old)?;
         let keys = texture_keys(scene, plan, objects.batches(), &others);
-        let textures = Textures::new(device, upload, &scene.images, &scene.textures, &keys)?;
+        let old = kept.map(|(old, changes)| (&old.textures, &changes.images[..]));
+        let textures = Textures::new(device, upload, &scene.images, &scene.textures, &keys, old)?;
+        let same_around =
+            |(old, changes): &(&Self, &Changes)| !changes.surroundings && old.around.is_of(plan);
+        let around = match kept.filter(same_around) {
+            Some((old, _)) => Arc::clone(&old.around),
+            None => Arc::new(AroundData::new(device, upload, scene, plan)?),
+        };
         let frame_kinds: Vec<u32> = frame_layouts(pipelines).into_keys().collect();
         let read = frame_kinds.iter().fold(0, |all, kind| all | kind);
         let counts = [objects.count(), lights.count(), decals.count(), particles.most()];
@@ -86,14 +100,14 @@ impl SceneData {
             light_lists: LightLists::new(plan, lights.count()),
             lights,
             materials: Materials::new(device, upload, scene, &materials)?,
-            geometry,
+            meshes,
             textures,
             globe_maps: globes.map(|layers| GlobeMaps::new(device, upload, &layers)).transpose()?,
             volume_casters: match plan.volume_lights.is_empty() {
                 true => None,
                 false => VolumeCasters::new(device, upload, scene, slots)?,
             },
-            around: AroundData::new(device, upload, scene, plan)?,
+            around,
             ambient_nt: scene.ambient_nt,
         };
         data.write_frame_sets(device, pipelines, shadows)?;
@@ -156,8 +170,8 @@ impl SceneData {
     }
 
     /// All meshes.
-    pub(super) fn geometry(&self) -> &Geometry {
-        &self.geometry
+    pub(super) fn meshes(&self) -> &Meshes {
+        &self.meshes
     }
 
     /// A material's uniform block.
@@ -202,7 +216,7 @@ impl SceneData {
         self.frames.iter().map(FrameData::allocated_bytes).sum::<u64>()
             + self.materials.as_ref().map_or(0, Materials::allocated_bytes)
             + self.volume_casters.as_ref().map_or(0, VolumeCasters::allocated_bytes)
-            + self.geometry.allocated_bytes()
+            + self.meshes.allocated_bytes()
             + self.textures.allocated_bytes()
             + self.globe_maps.as_ref().map_or(0, GlobeMaps::allocated_bytes)
             + self.around.allocated_bytes()
@@ -235,26 +249,24 @@ impl SceneData {
         changes: &mut StateChanges,
     ) {
         const MOST_STREAMS: usize = 5;
-        let range = &self.geometry.meshes()[batch.mesh];
-        let (Some(vertices), Some(indices)) = (self.geometry.vertices(), self.geometry.indices()) else {
-            return;
-        };
+        let (piece, geometry, range) = self.meshes.drawn(batch.mesh);
+        let (Some(vertices), Some(indices)) = (geometry.vertices(), geometry.indices()) else { return };
         let (device, raw) = (recorder.device().raw(), recorder.raw());
-        if bound.group != Some(range.group) {
-            let offsets = &self.geometry.groups()[range.group].offsets_bytes;
+        if bound.group != Some((piece, range.group)) {
+            let offsets = &geometry.groups()[range.group].offsets_bytes;
             let buffers = [vertices.raw(); MOST_STREAMS];
             // SAFETY: both lists are of one length, and offsets lie inside the buffer.
             unsafe { device.cmd_bind_vertex_buffers(raw, 0, &buffers[..offsets.len()], offsets) };
-            bound.group = Some(range.group);
+            bound.group = Some((piece, range.group));
             changes.vertex_buffers += 1;
         }
-        if bound.index_width != Some(range.index_width) {
-            let offset = self.geometry.index_offset_bytes(range.index_width);
+        if bound.indices != Some((piece, range.index_width)) {
+            let offset = geometry.index_offset_bytes(range.index_width);
             // SAFETY: the offset lies inside the buffer and is a multiple of the index size.
             unsafe {
                 device.cmd_bind_index_buffer(raw, indices.raw(), offset, range.index_width.index_type())
             };
-            bound.index_width = Some(range.index_width);
+            bound.indices = Some((piece, range.index_width));
             changes.index_buffers += 1;
         }
     }
@@ -267,7 +279,7 @@ impl SceneData {
         instances: Range<u32>,
         counts: &mut FrameCounts,
     ) {
-        let range = &self.geometry.meshes()[batch.mesh];
+        let (.., range) = self.meshes.drawn(batch.mesh);
         // SAFETY: `bind_mesh` bound the buffers, and the ranges lie inside them.
         unsafe {
             recorder.device().raw().cmd_draw_indexed(
@@ -400,33 +412,8 @@ fn frame_layouts(pipelines: &Pipelines) -> BTreeMap<u32, &FamilyLayout> {
 /// What is bound while surfaces are drawn.
 #[derive(Default)]
 pub(super) struct BoundMesh {
-    group: Option<usize>,
-    index_width: Option<super::IndexWidth>,
-}
-
-/// The kind of surface that a pipeline draws.
-pub(super) fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
-    match &plan.pipelines[pipeline].1 {
-        Pipeline::Surface(kind) => kind,
-        other => unreachable!("batches are made for surfaces, not for {other:?}"),
-    }
-}
-
-/// What each mesh's pipelines read. A mesh has one material, so its pipelines differ in winding only.
-fn streams(scene: &Scene, plan: &Plan, batches: &[Batch]) -> Vec<Option<Streams>> {
-    let mut streams = vec![None; scene.meshes.len()];
-    for batch in batches {
-        streams[batch.mesh] = Some(vertex_streams(surface(plan, batch.pipeline)));
-    }
-    streams
-}
-
-/// The vertex attributes that a kind of surface reads.
-pub(super) fn vertex_streams(kind: &SurfaceKind) -> Streams {
-    Streams {
-        normals: !kind.unlit,
-        tangents: kind.needs_tangents(),
-        texcoords: kind.texcoord_sets(),
-        colors: kind.vertex_color,
-    }
+    /// By piece of the meshes.
+    group: Option<(usize, usize)>,
+    /// Likewise.
+    indices: Option<(usize, super::IndexWidth)>,
 }

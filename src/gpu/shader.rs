@@ -88,6 +88,12 @@ pub enum Module {
     Composite,
     /// [`Self::Fog`] of several samples a pixel.
     FogSamples,
+    /// [`Self::Peel`] of several samples a pixel.
+    PeelSamples,
+    /// [`Self::Composite`] of several samples a pixel.
+    CompositeSamples,
+    /// [`Self::Forward`] of several samples a pixel, each with layers of its own.
+    ForwardSamples,
     /// Spreads light.
     Bloom,
     /// Smooths edges.
@@ -104,7 +110,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 30] = [
+    pub const ALL: [Self; 33] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -135,6 +141,9 @@ impl Module {
         Self::ParticleVertex,
         Self::Particle,
         Self::ParticleSamples,
+        Self::PeelSamples,
+        Self::CompositeSamples,
+        Self::ForwardSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -143,7 +152,7 @@ impl Module {
             Self::GeometryVertex => "geometry.vert",
             Self::GeometryFragment => "geometry.frag",
             Self::Unlit => "unlit.frag",
-            Self::Forward => "forward.frag",
+            Self::Forward | Self::ForwardSamples => "forward.frag",
             Self::Base => "base.frag",
             Self::Light => "light.frag",
             Self::Mask => "mask.frag",
@@ -158,8 +167,8 @@ impl Module {
             Self::DecalVertex => "decal.vert",
             Self::Decal | Self::DecalSamples => "decal.frag",
             Self::Fog | Self::FogSamples => "fog.frag",
-            Self::Peel => "peel.frag",
-            Self::Composite => "composite.frag",
+            Self::Peel | Self::PeelSamples => "peel.frag",
+            Self::Composite | Self::CompositeSamples => "composite.frag",
             Self::Bloom => "bloom.frag",
             Self::EdgeFilter => "edge_filter.frag",
             Self::ShadowVolumeVertex => "shadow_volume.vert",
@@ -176,6 +185,9 @@ impl Module {
             Self::DecalSamples => "decal_samples.frag",
             Self::FogSamples => "fog_samples.frag",
             Self::ParticleSamples => "particle_samples.frag",
+            Self::PeelSamples => "peel_samples.frag",
+            Self::CompositeSamples => "composite_samples.frag",
+            Self::ForwardSamples => "forward_samples.frag",
             _ => self.source(),
         }
     }
@@ -188,12 +200,15 @@ impl Module {
             | Self::TonemapSamples
             | Self::FogSamples
             | Self::DecalSamples
-            | Self::ParticleSamples => &["MULTISAMPLED"],
+            | Self::ParticleSamples
+            | Self::PeelSamples
+            | Self::CompositeSamples
+            | Self::ForwardSamples => &["MULTISAMPLED"],
             _ => &[],
         }
     }
 
-    /// The module that does the same where input attachments have several samples a pixel: itself, if it reads none.
+    /// The module that does the same where it reads input attachments of several samples a pixel: itself, if it never does.
     pub fn multisampled(self) -> Self {
         match self {
             Self::Lighting => Self::LightingSamples,
@@ -201,6 +216,9 @@ impl Module {
             Self::Decal => Self::DecalSamples,
             Self::Fog => Self::FogSamples,
             Self::Particle => Self::ParticleSamples,
+            Self::Peel => Self::PeelSamples,
+            Self::Composite => Self::CompositeSamples,
+            Self::Forward => Self::ForwardSamples,
             other => other,
         }
     }

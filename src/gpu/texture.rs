@@ -6,6 +6,7 @@ use crate::{Error, Result};
 use ash::vk;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::sync::Arc;
 
 /// How a texture's bytes are meant; alpha always is linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -30,10 +31,35 @@ pub struct TextureKey {
 #[derive(Debug)]
 pub struct Textures {
     bindings: HashMap<TextureKey, (vk::ImageView, vk::Sampler)>,
-    /// Views of level 0, for samplers that use no mips of an image that has some.
-    base_views: HashMap<ImageKey, Owned<vk::ImageView>>,
-    images: HashMap<ImageKey, Image>,
+    images: HashMap<ImageKey, Arc<TextureImage>>,
     samplers: SamplerCache,
+}
+
+/// How the samplers of a picture use its mip levels.
+#[derive(Clone, Copy, Default)]
+struct Use {
+    /// One uses them.
+    mips: bool,
+    /// One uses level 0 alone.
+    base: bool,
+}
+
+impl Use {
+    fn levels(self, picture: &scene::Image) -> u32 {
+        if self.mips { scene::mip_level_count(picture.width, picture.height) } else { 1 }
+    }
+
+    fn has_base_view(self, picture: &scene::Image) -> bool {
+        self.base && self.levels(picture) > 1
+    }
+}
+
+/// A picture on the device.
+#[derive(Debug)]
+struct TextureImage {
+    /// Of level 0, for samplers that use no mips of an image that has some.
+    base_view: Option<Owned<vk::ImageView>>,
+    image: Image,
 }
 
 /// Index into `Scene::images`, and its encoding.
@@ -41,7 +67,8 @@ type ImageKey = (usize, ColorEncoding);
 
 impl Textures {
     /// Makes images for what is wanted, with a full mip chain where one of their samplers uses mips, and
-    /// gathers their contents in `upload`; they can be sampled after that was recorded.
+    /// gathers their contents in `upload`; they can be sampled after that was recorded. Images that `kept` has as they are wanted,
+    /// and whose pictures are not among its changed ones, are shared with it.
     ///
     /// # Errors
     /// [`Error::Unsupported`] for an index out of range, a picture whose bytes do not fit its size or whose
@@ -52,18 +79,29 @@ impl Textures {
         images: &[scene::Image],
         textures: &[scene::Texture],
         wanted: &[TextureKey],
+        kept: Option<(&Self, &[usize])>,
     ) -> Result<Self> {
-        let mut mipped: HashMap<ImageKey, bool> = HashMap::new();
+        let mut uses: HashMap<ImageKey, Use> = HashMap::new();
         for key in wanted {
             let texture = element(textures, key.texture, "texture")?;
-            *mipped.entry((texture.image, key.encoding)).or_default() |= texture.sampler.mip_linear.is_some();
+            let of_image = uses.entry((texture.image, key.encoding)).or_default();
+            match texture.sampler.mip_linear {
+                Some(_) => of_image.mips = true,
+                None => of_image.base = true,
+            }
         }
-        let mut all = Self {
-            bindings: HashMap::new(),
-            base_views: HashMap::new(),
-            images: HashMap::new(),
-            samplers: SamplerCache::new(device),
+        let kept = |key: &ImageKey, picture: &scene::Image| {
+            let (old, changed) = kept?;
+            let wanted = uses[key];
+            let is_same = |old: &&Arc<TextureImage>| {
+                old.image.levels() == wanted.levels(picture)
+                    && old.base_view.is_some() == wanted.has_base_view(picture)
+            };
+            let image = old.images.get(key).filter(is_same)?;
+            (!changed.contains(&key.0)).then(|| Arc::clone(image))
         };
+        let mut all =
+            Self { bindings: HashMap::new(), images: HashMap::new(), samplers: SamplerCache::new(device) };
         // In the order wanted, so that runs are alike.
         for &key in wanted {
             let texture = &textures[key.texture];
@@ -72,16 +110,16 @@ impl Textures {
                 Entry::Occupied(entry) => entry.into_mut(),
                 Entry::Vacant(entry) => {
                     let picture = element(images, texture.image, "image")?;
-                    entry.insert(image(device, upload, picture, key.encoding, mipped[&image_key])?)
+                    entry.insert(match kept(&image_key, picture) {
+                        Some(image) => image,
+                        None => Arc::new(image(device, upload, picture, key.encoding, uses[&image_key])?),
+                    })
                 }
             };
-            let view = if texture.sampler.mip_linear.is_some() || image.levels() == 1 {
-                image.view()
-            } else {
-                match all.base_views.entry(image_key) {
-                    Entry::Occupied(entry) => entry.get().raw(),
-                    Entry::Vacant(entry) => entry.insert(image.create_view(0..1, "level 0")?).raw(),
-                }
+            let whole = image.image.view();
+            let view = match texture.sampler.mip_linear {
+                Some(_) => whole,
+                None => image.base_view.as_ref().map_or(whole, Owned::raw),
             };
             all.bindings.insert(key, (view, all.samplers.get(texture.sampler)?));
         }
@@ -95,12 +133,12 @@ impl Textures {
 
     /// The image behind a picture (index into `Scene::images`).
     pub fn image(&self, image: usize, encoding: ColorEncoding) -> Option<&Image> {
-        self.images.get(&(image, encoding))
+        self.images.get(&(image, encoding)).map(|image| &image.image)
     }
 
     /// The size of all images' memory.
     pub fn allocated_bytes(&self) -> u64 {
-        self.images.values().map(Image::allocated_bytes).sum()
+        self.images.values().map(|image| image.image.allocated_bytes()).sum()
     }
 }
 
@@ -109,8 +147,8 @@ fn image(
     upload: &mut Upload,
     picture: &scene::Image,
     encoding: ColorEncoding,
-    mipped: bool,
-) -> Result<Image> {
+    wanted: Use,
+) -> Result<TextureImage> {
     let size = [picture.width, picture.height];
     let bytes = u64::from(size[0]) * u64::from(size[1]) * 4;
     if bytes == 0 || picture.rgba8.len() as u64 != bytes {
@@ -129,17 +167,18 @@ fn image(
         ColorEncoding::Srgb => (vk::Format::R8G8B8A8_SRGB, true),
         ColorEncoding::Linear => (vk::Format::R8G8B8A8_UNORM, false),
     };
-    let levels = if mipped { scene::mip_level_count(size[0], size[1]) } else { 1 };
+    let levels = wanted.levels(picture);
     // TRANSFER_SRC so that textures can be read back.
     let usage =
         vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC;
     let image =
         Image::new(device, &ImageDesc { levels, ..ImageDesc::new(&picture.name, format, size, usage) })?;
-    let smaller = if mipped { scene::mipmaps(picture, srgb) } else { Vec::new() };
+    let smaller = if wanted.mips { scene::mipmaps(picture, srgb) } else { Vec::new() };
     let contents: Vec<&[u8]> =
         std::iter::once(&picture.rgba8[..]).chain(smaller.iter().map(|level| &level.rgba8[..])).collect();
     upload.image(&image, &contents)?;
-    Ok(image)
+    let base_view = wanted.has_base_view(picture).then(|| image.create_view(0..1, "level 0")).transpose()?;
+    Ok(TextureImage { base_view, image })
 }
 
 fn element<'a, T>(list: &'a [T], index: usize, what: &str) -> Result<&'a T> {

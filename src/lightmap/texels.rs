@@ -107,7 +107,7 @@ fn flatten(scene: &Scene, [width, height]: [u32; 2]) -> Vec<Flat> {
     let size = DVec2::new(f64::from(width), f64::from(height));
     let mut triangles = Vec::new();
     let (mut first_triangle, mut first_chart) = (0, 0);
-    for instance in scene.instances.iter().filter(|instance| !instance.dynamic) {
+    for instance in scene.drawn_instances().filter(|instance| !instance.dynamic) {
         let mesh = &scene.meshes[instance.mesh];
         let first = first_triangle;
         first_triangle += mesh.indices.len() as u32 / 3;

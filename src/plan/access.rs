@@ -121,7 +121,7 @@ impl State {
 
     /// The one state of an attachment in a rendering whose stages use it like this.
     pub fn throughout(uses: &[Use], depth: bool) -> Self {
-        match (uses.iter().any(|how| matches!(how, Use::Read | Use::Modify)), depth) {
+        match (uses.iter().any(|how| matches!(how, Use::Read | Use::Modify | Use::Rewrite)), depth) {
             (true, _) => Self::LocalRead,
             (false, true) => Self::Depth,
             (false, false) => Self::Color,

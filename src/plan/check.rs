@@ -110,23 +110,12 @@ pub(super) fn check_blended(
             "choose 1 to 4 with --translucency oit, 1 to 16 with peeled, and leave --translucency-layers out else",
         ));
     }
-    if needs.blended.is_some() && options.samples > 1 && options.translucency != Translucency::Sorted {
+    let peels = needs.blended.is_some() && options.translucency == Translucency::Peeled;
+    if peels && strategy == Strategy::LocalRead {
         return Err(crate::Error::unsupported(
-            format!(
-                "translucency {} keeps layers of pixels, not of {} samples each",
-                options.translucency, options.samples
-            ),
-            "use --translucency sorted, or --samples 1",
-        ));
-    }
-    let collects = needs.blended.is_some() && options.translucency != Translucency::Sorted;
-    if collects && strategy == Strategy::LocalRead {
-        return Err(crate::Error::unsupported(
-            format!(
-                "translucency {} takes attachments over from earlier stages and clears them, which one rendering cannot",
-                options.translucency
-            ),
-            "use --strategy subpasses, or --translucency sorted",
+            "translucency peeled finds layers in two depth attachments beside that of what is opaque, and a rendering has one \
+             (VkRenderingInfo::pDepthAttachment)",
+            "use --strategy subpasses, or another --translucency",
         ));
     }
     if needs.blended.is_some()

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::layout::GBuffer;
-use super::{DecalWay, Form, Gamma, Limits, Needs, Options, SLOTS, Strategy, SurfaceKind, element};
+use super::{DecalWay, Form, Gamma, Limits, Needs, Options, SLOTS, SurfaceKind, element};
 use crate::scene::{Decal, Scene};
 use crate::{Error, Result};
 
@@ -214,32 +214,6 @@ pub(super) fn resolve(
         (asked, _) => (asked, None),
     };
     Ok(Some(way))
-}
-
-/// The strategy of a frame with decals, and why, from that without: not yet one rendering with local reads, where painting over what
-/// is read has not been proved.
-///
-/// # Errors
-/// [`Error::Unsupported`] if that was asked for.
-pub(super) fn strategy(
-    needs: &Needs,
-    options: &Options,
-    (strategy, why): (Strategy, Option<String>),
-) -> Result<(Strategy, Option<String>)> {
-    match (&needs.decals[..], strategy, options.strategy) {
-        ([decal, ..], Strategy::LocalRead, Strategy::Auto) => {
-            let why = format!(
-                "strategy: subpasses, since {} is painted over what is read, which local reads do not do",
-                decal.why
-            );
-            Ok((Strategy::Subpasses, Some(why)))
-        }
-        ([decal, ..], Strategy::LocalRead, _) => Err(Error::unsupported(
-            format!("strategy local-read: {} is painted over what is read, which it does not do", decal.why),
-            "use --strategy subpasses, which has the same picture and loads and stores as little",
-        )),
-        _ => Ok((strategy, why)),
-    }
 }
 
 /// What decals do not do, where a scene could expect it.

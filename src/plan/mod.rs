@@ -33,6 +33,7 @@ mod pipeline;
 mod post;
 mod print;
 mod rendering;
+mod same;
 mod samples;
 mod shadow;
 mod shadow_report;
@@ -188,7 +189,6 @@ impl Plan {
     /// each other.
     pub fn new(needs: Needs, options: Options, limits: &Limits) -> crate::Result<Self> {
         let (strategy, why) = strategy::resolve(&options, limits)?;
-        let (strategy, why) = decals::strategy(&needs, &options, (strategy, why))?;
         let is_best = options.strategy == Strategy::Auto && strategy != Strategy::Subpasses;
         match Self::by(strategy, why, needs.clone(), options.clone(), limits) {
             Err(error) if is_best => {

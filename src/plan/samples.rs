@@ -1,6 +1,6 @@
 //! Several samples a pixel: which plans can have them.
 
-use super::{Format, Limits, Options, Pass, Path, Plan, ResolveWay};
+use super::{Format, Limits, Options, Pass, Path, Plan, ResolveWay, Subpass};
 use crate::Error;
 
 /// # Errors
@@ -57,13 +57,17 @@ pub(super) fn notes(options: &Options, attachments: &[super::Attachment]) -> Vec
     let place = place
         .filter(|name| name.contains('/'))
         .map_or(String::new(), |name| format!(", in one place ({name})"));
-    vec![format!(
+    let has_layers = attachments.iter().any(|a| a.samples > 1 && a.name.contains("layer_"));
+    let layers = "layers are of samples, so that what is blended is shaded for each sample, not once a pixel"
+        .to_owned();
+    let all = format!(
         "{samples} samples a pixel of all that is drawn; the output has 1, resolved on the tile{place}: {}",
         match options.resolve {
             ResolveWay::Tonemapped => "the tone curve of each sample, then the mean",
             ResolveWay::Plain => "the mean of light, then the tone curve",
         }
-    )]
+    );
+    std::iter::once(all).chain(has_layers.then_some(layers)).collect()
 }
 
 /// # Errors
@@ -84,10 +88,12 @@ pub(super) fn check_limits(
         if counts & samples == 0 {
             let known: Vec<_> =
                 [1, 2, 4, 8].iter().filter(|n| counts & **n != 0).map(u32::to_string).collect();
-            let words = if attachment.format.is_uint() {
-                ", or a layout without words (--layout ontile128)"
-            } else {
-                ""
+            let words = match attachment.format.is_uint() {
+                true if attachment.name.contains("layer_") => {
+                    ", or --translucency weighted, which keeps no words"
+                }
+                true => ", or a layout without words (--layout ontile128)",
+                false => "",
             };
             return Err(Error::unsupported(
                 format!(
@@ -98,11 +104,16 @@ pub(super) fn check_limits(
             ));
         }
     }
-    let reads = passes.iter().flat_map(|pass| &pass.subpasses).any(|s| s.name == "lighting");
-    if reads && !limits.sample_shading {
+    // The tone curve goes through the samples of a pixel.
+    let reads = |s: &&Subpass| !s.inputs.is_empty() && s.name != "tonemap";
+    let mut subpasses = passes.iter().flat_map(|pass| &pass.subpasses);
+    if let Some(subpass) = subpasses.find(reads).filter(|_| !limits.sample_shading) {
         return Err(Error::unsupported(
-            "lighting each sample of a G-buffer takes sampleRateShading, which this device has not",
-            "use --samples 1, or --path forward",
+            format!(
+                "the stage {} looks at each sample by itself, which takes sampleRateShading, and this device has it not",
+                subpass.name
+            ),
+            "use --samples 1, or --path forward with --translucency sorted",
         ));
     }
     Ok(())

@@ -80,7 +80,7 @@ impl<'a> Visibility<'a> {
             scene.instances.iter().map(|i| Placement::new(i.world_from_object.as_dmat4())).collect();
         let mut triangles = Vec::with_capacity(scene.triangle_count());
         let all = scene.instances.iter().zip(&placements).enumerate();
-        for (index, (instance, placement)) in all.filter(|(_, (instance, _))| wanted(instance)) {
+        for (index, (instance, placement)) in all.filter(|(_, (i, _))| scene.is_drawn(i) && wanted(i)) {
             let mesh = &scene.meshes[instance.mesh];
             let material = &scene.materials[mesh.material];
             let alpha_cutoff = match material.alpha_mode {

@@ -2,45 +2,144 @@
 
 use glam::Vec4;
 
-use super::{AlphaMode, Background, Camera, Fog, Material, Mesh, Projection, Scene};
+use super::world::{Kind, Listed, lengths};
+use super::{
+    AlphaMode, Background, Camera, Decal, Fog, Image, Instance, Light, Material, Mesh, Particles, Projection,
+    Scene, Texture,
+};
 use crate::{Error, Result};
 
 /// What an element has wrong.
-type Problem = Option<&'static str>;
+type Problem = Option<String>;
+
+/// What has numbers that may mean nothing.
+pub trait Checked {
+    /// What is wrong with it, whatever it refers to.
+    fn problem(&self) -> Problem;
+}
 
 impl Scene {
-    /// Checks that all numbers are finite and within what their descriptions say, as they are in a scene that was loaded. One NaN
-    /// in a picture spreads with every filter that touches it.
+    /// Checks that all numbers are finite and within what their descriptions say, and that elements refer to what is there, as in a
+    /// scene that was loaded. One NaN in a picture spreads with every filter that touches it.
     ///
-    /// Lights are not looked at: those whose numbers mean nothing [are dark](super::Light::is_dark).
+    /// A scene that was built by hand wants it before [`Needs::of`](crate::plan::Needs::of), which follows references.
+    ///
+    /// Lights' numbers are not looked at: those that mean nothing [are dark](super::Light::is_dark).
     ///
     /// # Errors
     /// [`Error::Unsupported`] that names the element.
     pub fn check(&self) -> Result<()> {
-        let problem = first("meshes", &self.meshes, mesh)
-            .or_else(|| first("instances", &self.instances, |i| affine(&i.world_from_object)))
-            .or_else(|| first("materials", &self.materials, material))
-            .or_else(|| first("decals", &self.decals, |d| d.problem(self.materials.len())))
-            .or_else(|| first("particles", &self.particles, |p| p.problem(self.materials.len())))
-            .or_else(|| first("cameras", &self.cameras, camera))
-            .or_else(|| surroundings(self).map(|problem| ("scene".to_owned(), problem)));
+        let has = lengths(self);
+        let problem = first(has, &self.meshes, Checked::problem)
+            .or_else(|| first(has, &self.instances, Checked::problem))
+            .or_else(|| first(has, &self.materials, Checked::problem))
+            .or_else(|| first(has, &self.textures, Checked::problem))
+            .or_else(|| first(has, &self.lights, |_| None))
+            .or_else(|| first(has, &self.decals, Checked::problem))
+            .or_else(|| first(has, &self.particles, Checked::problem))
+            .or_else(|| first(has, &self.cameras, Checked::problem))
+            .or_else(|| surroundings(self).map(|problem| ("scene".to_owned(), problem.to_owned())));
         match problem {
             Some((element, problem)) => Err(Error::unsupported(
                 format!("scene '{}': {element}: {problem}", self.name),
-                "give finite numbers within the range that the element's description names",
+                "give finite numbers within the range that the element's description names, and indices below the lengths of lists",
             )),
             None => self.probes.iter().try_for_each(|probe| probe.check()),
         }
     }
 }
 
-/// The first of a list that has a problem, by its name in messages.
-fn first<T>(list: &str, elements: &[T], problem: impl Fn(&T) -> Problem) -> Option<(String, &'static str)> {
-    let problems = elements.iter().enumerate().filter_map(|(i, element)| Some((i, problem(element)?)));
-    problems.map(|(i, problem)| (format!("{list}[{i}]"), problem)).next()
+/// The first of a list that has a problem, by its name in messages. `has` is how long the lists are, by kind.
+fn first<T: Listed>(
+    has: [usize; Kind::COUNT],
+    elements: &[T],
+    problem: impl Fn(&T) -> Problem,
+) -> Option<(String, String)> {
+    let missing = |element: &T| {
+        let mut missing = element.uses().filter(|&(kind, index)| index >= has[kind as usize]);
+        let name = |(kind, index): (Kind, usize)| {
+            format!("it uses {}[{index}], and there are {}", kind.list(), has[kind as usize])
+        };
+        missing.next().map(name)
+    };
+    let problems = elements
+        .iter()
+        .enumerate()
+        .filter_map(|(i, element)| Some((i, problem(element).or_else(|| missing(element))?)));
+    problems.map(|(i, problem)| (format!("{}[{i}]", T::KIND.list()), problem)).next()
 }
 
-fn mesh(mesh: &Mesh) -> Problem {
+fn told(problem: Option<&'static str>) -> Problem {
+    problem.map(str::to_owned)
+}
+
+impl Checked for Mesh {
+    fn problem(&self) -> Problem {
+        self.lists_problem().or_else(|| told(mesh(self)))
+    }
+}
+
+impl Checked for Instance {
+    fn problem(&self) -> Problem {
+        told(affine(&self.world_from_object))
+    }
+}
+
+impl Checked for Material {
+    fn problem(&self) -> Problem {
+        told(material(self))
+    }
+}
+
+impl Checked for Texture {
+    fn problem(&self) -> Problem {
+        None
+    }
+}
+
+impl Checked for Image {
+    fn problem(&self) -> Problem {
+        let bytes = u64::from(self.width) * u64::from(self.height) * 4;
+        (bytes == 0 || self.rgba8.len() as u64 != bytes).then(|| {
+            format!(
+                "{} bytes are not four for each of {}x{} texels",
+                self.rgba8.len(),
+                self.width,
+                self.height
+            )
+        })
+    }
+}
+
+impl Checked for Light {
+    fn problem(&self) -> Problem {
+        told(
+            (!self.is_sound()).then_some(
+                "a number is not finite, or a colour, an intensity, a range or a size is negative",
+            ),
+        )
+    }
+}
+
+impl Checked for Decal {
+    fn problem(&self) -> Problem {
+        told(self.numbers_problem())
+    }
+}
+
+impl Checked for Particles {
+    fn problem(&self) -> Problem {
+        told(self.numbers_problem())
+    }
+}
+
+impl Checked for Camera {
+    fn problem(&self) -> Problem {
+        told(camera(self))
+    }
+}
+
+fn mesh(mesh: &Mesh) -> Option<&'static str> {
     let bad = |holds: bool, problem| (!holds).then_some(problem);
     bad(mesh.positions.iter().all(|p| p.is_finite()), "a position is not finite")
         .or(bad(mesh.normals.iter().all(|n| n.is_finite()), "a normal is not finite"))
@@ -53,12 +152,12 @@ fn is_color(color: &Vec4) -> bool {
     color.is_finite() && color.min_element() >= 0.0
 }
 
-fn affine(matrix: &glam::Mat4) -> Problem {
+fn affine(matrix: &glam::Mat4) -> Option<&'static str> {
     let holds = matrix.is_finite() && matrix.row(3) == Vec4::W;
     (!holds).then_some("the transform is not affine and finite")
 }
 
-fn material(m: &Material) -> Problem {
+fn material(m: &Material) -> Option<&'static str> {
     let parts = [m.metallic_factor, m.roughness_factor, m.occlusion_strength];
     let slots = [
         &m.base_color_texture,
@@ -85,7 +184,7 @@ fn material(m: &Material) -> Problem {
     }
 }
 
-fn camera(camera: &Camera) -> Problem {
+fn camera(camera: &Camera) -> Option<&'static str> {
     let projects = match camera.projection {
         Projection::Perspective { yfov_rad, znear_m, zfar_m } => {
             yfov_rad > 0.0
@@ -104,7 +203,7 @@ fn camera(camera: &Camera) -> Problem {
     affine(&camera.world_from_view).or((!projects).then_some("the projection has no volume"))
 }
 
-fn surroundings(scene: &Scene) -> Problem {
+fn surroundings(scene: &Scene) -> Option<&'static str> {
     let fog = |fog: &Fog| {
         is_color(&fog.color_nt.extend(fog.density_per_m))
             && fog.height.is_none_or(|h| h.base_m.is_finite() && h.scale_m.is_finite() && h.scale_m > 0.0)

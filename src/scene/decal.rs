@@ -152,7 +152,7 @@ impl Decal {
     }
 
     /// What is wrong with its numbers.
-    pub(crate) fn problem(&self, materials: usize) -> Option<&'static str> {
+    pub(crate) fn numbers_problem(&self) -> Option<&'static str> {
         let m = &self.world_from_decal;
         let is_share = |v: f32| (0.0..=1.0).contains(&v);
         let [begin, end] = self.angle_rad;
@@ -160,8 +160,6 @@ impl Decal {
             Some("the transform is not affine and finite")
         } else if !has_volume(&m.as_dmat4()) {
             Some("the box has no volume")
-        } else if self.material >= materials {
-            Some("its material is none of the scene's")
         } else if !self.channels.to_array().into_iter().all(is_share) {
             Some("an opacity is not from 0 to 1")
         } else if !(0.0 <= begin && begin <= end && end <= std::f32::consts::FRAC_PI_2) {
@@ -225,22 +223,21 @@ mod tests {
 
     #[test]
     fn numbers_that_make_no_decal_are_told() {
-        let spoil: [fn(&mut Decal); 9] = [
+        let spoil: [fn(&mut Decal); 8] = [
             |d| d.world_from_decal.w_axis.x = f32::NAN,
             |d| d.world_from_decal.x_axis.w = 1.0,
             |d| d.world_from_decal.z_axis = glam::Vec4::ZERO,
             |d| d.world_from_decal.z_axis = d.world_from_decal.x_axis,
-            |d| d.material = 1,
             |d| d.channels.normal = 1.5,
             |d| d.angle_rad = [1.0, 0.5],
             |d| d.falloff_m.y = -0.1,
             |d| d.priority = f32::INFINITY,
         ];
-        assert_eq!(decal().problem(1), None);
+        assert_eq!(decal().numbers_problem(), None);
         for (i, spoil) in spoil.iter().enumerate() {
             let mut bad = decal();
             spoil(&mut bad);
-            assert!(bad.problem(1).is_some(), "{i}");
+            assert!(bad.numbers_problem().is_some(), "{i}");
         }
     }
 }

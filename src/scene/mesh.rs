@@ -29,6 +29,22 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// What is wrong with the lists' lengths and indices.
+    pub(crate) fn lists_problem(&self) -> Option<String> {
+        let vertices = self.positions.len();
+        let [first, second] = &self.texcoords;
+        let lengths = [self.normals.len(), self.tangents.len(), first.len(), second.len(), self.colors.len()];
+        if lengths.iter().any(|&n| n != 0 && n != vertices) {
+            Some(format!("{vertices} positions, but other attributes of lengths {lengths:?}"))
+        } else if let Some(index) = self.indices.iter().find(|&&i| i as usize >= vertices) {
+            Some(format!("{vertices} vertices, but an index {index}"))
+        } else if !self.indices.len().is_multiple_of(3) {
+            Some(format!("{} indices, which is not three a triangle", self.indices.len()))
+        } else {
+            None
+        }
+    }
+
     /// The bounds in object space; `None` without vertices.
     pub fn bounds(&self) -> Option<Aabb> {
         let (first, rest) = self.positions.split_first()?;
@@ -38,7 +54,7 @@ impl Mesh {
 }
 
 /// One placement of a mesh.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instance {
     /// Index into `Scene::meshes`.
     pub mesh: usize,
@@ -49,12 +65,14 @@ pub struct Instance {
     pub dynamic: bool,
     /// Its part of the scene's lightmap, if it has one; the mesh then has TEXCOORD_1.
     pub lightmap: Option<LightmapRect>,
+    /// Neither drawn nor casting a shadow, as if it were not there.
+    pub hidden: bool,
 }
 
 impl Instance {
     /// One that stays where it is.
     pub fn new(mesh: usize, world_from_object: Mat4) -> Self {
-        Self { mesh, world_from_object, dynamic: false, lightmap: None }
+        Self { mesh, world_from_object, dynamic: false, lightmap: None, hidden: false }
     }
 
     /// Whether the transform turns the triangles' winding round.

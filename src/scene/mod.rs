@@ -19,6 +19,7 @@ mod particles;
 mod probe;
 mod surroundings;
 mod transmission;
+mod world;
 
 pub use camera::{Camera, Projection};
 pub use decal::{Decal, DecalChannels};
@@ -34,6 +35,7 @@ pub use particles::{Particle, Particles};
 pub use probe::Probe;
 pub use transmission::Transmission;
 pub use surroundings::{Background, Fog, FogHeight};
+pub use world::{Changes, Element, Id, World};
 
 use glam::Vec3;
 
@@ -87,8 +89,8 @@ pub struct Scene {
 impl Scene {
     /// The bounds of all instances in world space; `None` if nothing is drawn.
     pub fn bounds_world(&self) -> Option<Aabb> {
-        self.instances
-            .iter()
+        let shown = self.instances.iter().filter(|i| !i.hidden);
+        shown
             .filter_map(|i| Some(self.meshes[i.mesh].bounds()?.transformed(&i.world_from_object)))
             .reduce(|a, b| a.union(&b))
     }
@@ -113,9 +115,9 @@ impl Scene {
         self.materials[self.meshes[instance.mesh].material].shows_behind()
     }
 
-    /// Whether an instance has triangles to draw.
+    /// Whether an instance has triangles to draw and is not hidden.
     pub(crate) fn is_drawn(&self, instance: &Instance) -> bool {
-        !self.meshes[instance.mesh].indices.is_empty()
+        !instance.hidden && !self.meshes[instance.mesh].indices.is_empty()
     }
 
     /// The number of triangles that one frame draws, instances counted.
@@ -125,7 +127,7 @@ impl Scene {
 
     /// The number of triangles of some of the instances.
     pub(crate) fn triangles_of(&self, wanted: impl Fn(&Instance) -> bool) -> usize {
-        let wanted = self.instances.iter().filter(|i| wanted(i));
+        let wanted = self.drawn_instances().filter(|i| wanted(i));
         wanted.map(|i| self.meshes[i.mesh].indices.len() / 3).sum()
     }
 

@@ -69,10 +69,8 @@ impl Particles {
     }
 
     /// What is wrong with their numbers.
-    pub(crate) fn problem(&self, materials: usize) -> Option<&'static str> {
-        if self.material >= materials {
-            Some("their material is none of the scene's")
-        } else if !(self.soft_m >= 0.0 && self.soft_m.is_finite()) {
+    pub(crate) fn numbers_problem(&self) -> Option<&'static str> {
+        if !(self.soft_m >= 0.0 && self.soft_m.is_finite()) {
             Some("the soft distance is not finite or negative")
         } else if self.list.len() > self.most {
             Some("there are more than there may be")
@@ -116,17 +114,16 @@ mod tests {
     #[test]
     fn numbers_that_mean_nothing_are_told() {
         let good = Particle { position_world: Vec3::ZERO, size_m: 1.0, rotation_rad: 0.0, color: Vec3::ONE };
-        assert_eq!(Particles::new(0, 0.1, vec![good]).problem(1), None);
-        assert!(Particles::new(1, 0.1, vec![good]).problem(1).is_some());
-        assert!(Particles::new(0, f32::NAN, vec![good]).problem(1).is_some());
-        assert!(Particles { most: 0, ..Particles::new(0, 0.1, vec![good]) }.problem(1).is_some());
+        assert_eq!(Particles::new(0, 0.1, vec![good]).numbers_problem(), None);
+        assert!(Particles::new(0, f32::NAN, vec![good]).numbers_problem().is_some());
+        assert!(Particles { most: 0, ..Particles::new(0, 0.1, vec![good]) }.numbers_problem().is_some());
         for bad in [
             Particle { size_m: -1.0, ..good },
             Particle { rotation_rad: f32::INFINITY, ..good },
             Particle { color: Vec3::NEG_X, ..good },
             Particle { position_world: Vec3::NAN, ..good },
         ] {
-            assert!(Particles::new(0, 0.1, vec![bad]).problem(1).is_some(), "{bad:?}");
+            assert!(Particles::new(0, 0.1, vec![bad]).numbers_problem().is_some(), "{bad:?}");
         }
     }
 }

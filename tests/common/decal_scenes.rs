@@ -21,6 +21,11 @@ fn material(scene: &mut Scene, material: Material) -> usize {
     scene.materials.len() - 1
 }
 
+/// [`decals`] behind and between panes.
+pub fn decals_behind_glass() -> Scene {
+    glass_scenes::with_panes("decals_behind_glass", decals())
+}
+
 /// Colours that are painted over each other on a floor and two balls; nothing that blending could not do.
 pub fn color_decals() -> Scene {
     let mut scene = Scene { name: "color_decals".into(), ..lights_only() };

@@ -90,7 +90,8 @@ fn pane() -> Mesh {
     mesh
 }
 
-fn with_panes(name: &str, mut scene: Scene) -> Scene {
+/// A scene behind and between panes.
+pub fn with_panes(name: &str, mut scene: Scene) -> Scene {
     scene.name = name.into();
     let placed = |x: f32, y: f32, z: f32, turn: f32, half: f32| {
         at(x, y, z) * Mat4::from_rotation_y(turn) * Mat4::from_scale(Vec3::splat(half))

@@ -101,6 +101,7 @@ pub fn built() -> Vec<Scene> {
         sky_alone(),
         decal_scenes::decals(),
         decal_scenes::color_decals(),
+        decal_scenes::decals_behind_glass(),
     ];
     all.extend(environments::all());
     all.extend(glass_scenes::all());

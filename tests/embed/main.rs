@@ -5,6 +5,7 @@
 mod common;
 mod engine;
 mod moving;
+mod world;
 
 use engine::{Engine, EngineImage, FRAMES_IN_FLIGHT};
 use glam::{Mat4, Vec3, Vec4, vec3};

@@ -83,7 +83,7 @@ fn textures_and_their_mips_arrive() {
     use ColorEncoding::{Linear, Srgb};
     let wanted = [key(0, Srgb), key(1, Srgb), key(0, Linear), key(2, Srgb), key(3, Linear)];
     let mut upload = Upload::new(device);
-    let all = Textures::new(device, &mut upload, &images, &textures, &wanted).unwrap();
+    let all = Textures::new(device, &mut upload, &images, &textures, &wanted, None).unwrap();
     Commands::run(device, "upload", |r| {
         upload.record(r);
         Ok(())
@@ -121,7 +121,7 @@ fn textures_and_their_mips_arrive() {
     assert_ne!(with_mips.0, without.0);
     assert_eq!(all.get(key(3, Srgb)), None, "what was not wanted is not there");
 
-    let unknown = Textures::new(device, &mut Upload::new(device), &images, &textures, &[key(9, Srgb)]);
+    let unknown = Textures::new(device, &mut Upload::new(device), &images, &textures, &[key(9, Srgb)], None);
     assert!(unknown.unwrap_err().to_string().contains("texture 9"));
     drop(all);
     gpu.finish();

@@ -6,4 +6,5 @@ mod common;
 mod arrangements;
 mod edges;
 mod refusals;
+mod translucent;
 mod truth;

@@ -7,7 +7,8 @@ use super::super::shader::{
 };
 use crate::environment::TexelFormat;
 use crate::plan::{
-    DecalKind, DecalWay, Edges, Form, Format, Pipeline, Plan, ShadowNeed, SurfaceKind, VolumeShape,
+    DecalKind, DecalWay, Edges, Form, Format, Pipeline, Plan, ShadowNeed, SurfaceKind, Translucency,
+    VolumeShape,
 };
 use crate::visible::ShadowShape;
 
@@ -76,8 +77,9 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
     let gbuffer = gbuffer_constants(plan).specialization();
     let brdf = Specialization::brdf(plan.options.brdf);
     let samples = sample_constants(plan, pipeline).specialization();
-    let fragment =
-        fragment.map(|module| if plan.options.samples > 1 { module.multisampled() } else { module });
+    // Of what draws surfaces, only layers and what is peeled look at samples.
+    let reads = !pipeline.is_of_surfaces() || reads_samples(plan, pipeline);
+    let fragment = fragment.map(|m| if plan.options.samples > 1 && reads { m.multisampled() } else { m });
     let all = samples.and(lighting).and(output).and(gbuffer).and(brdf).and(own);
     let all = match pipeline.is_of_blended() || *pipeline == Pipeline::Composite {
         true => all.and(translucency_constants(plan)),
@@ -86,16 +88,25 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
     (vertex, fragment, all)
 }
 
+/// Whether it draws blended surfaces and reads, of each sample, what was left of others.
+fn reads_samples(plan: &Plan, pipeline: &Pipeline) -> bool {
+    let keeps_layers = plan.options.translucency == Translucency::Oit;
+    matches!(pipeline, Pipeline::Surface(kind) if kind.blend && keeps_layers && !plan.folded)
+        || matches!(pipeline, Pipeline::Peel { .. })
+}
+
 fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
     SampleConstants {
         samples: plan.options.samples,
         per_sample: plan.edges == Edges::All
             || pipeline.per_pixel() != *pipeline
-            || *pipeline == Pipeline::Fog
-            || matches!(pipeline, Pipeline::Decal(_)),
+            || matches!(pipeline, Pipeline::Fog | Pipeline::Composite | Pipeline::Decal(_))
+            || reads_samples(plan, pipeline),
         edge_target: plan.edges == Edges::Coverage,
         edge_masks: plan.needs.kinds.iter().any(|need| need.kind.alpha_mask),
-        sample_depth: plan.has_gbuffer() && plan.gbuffer.reads_depth_attachment(),
+        // A surface that is drawn by sample is where its sample is.
+        sample_depth: plan.has_gbuffer() && plan.gbuffer.reads_depth_attachment()
+            || pipeline.is_of_surfaces(),
         resolve: plan.options.resolve,
     }
 }

@@ -88,7 +88,7 @@ impl Frame<'_> {
 
     /// Clears what the stage begins with and the pass could not clear, since it held something else then.
     fn clear_attachments(&self, stage: usize) {
-        let subpass = self.renderer.plan.subpass(stage).2;
+        let (pass, stage_of_pass, subpass) = self.renderer.plan.subpass(stage);
         let rect = vk::Rect2D { offset: vk::Offset2D::default(), extent: self.target.extent() };
         let rect = vk::ClearRect { rect, base_array_layer: 0, layer_count: 1 };
         for &(position, value) in &subpass.clears {
@@ -96,7 +96,7 @@ impl Frame<'_> {
             let clear = match location {
                 Some(location) => vk::ClearAttachment {
                     aspect_mask: vk::ImageAspectFlags::COLOR,
-                    color_attachment: location as u32,
+                    color_attachment: self.renderer.passes[pass].color_attachment(stage_of_pass, location),
                     // Words are cleared to 0, which has the same bits.
                     clear_value: vk::ClearValue { color: vk::ClearColorValue { float32: value } },
                 },

@@ -238,7 +238,7 @@ impl Shadows {
         let mut drawn = 0;
         self.casters.in_view(&view.volume(), target.which, |index, batch, run| {
             self.bind(recorder, data, index, batch, bound);
-            let range = &data.geometry().meshes()[batch.mesh];
+            let (.., range) = data.meshes().drawn(batch.mesh);
             let (count, first) = (run.len() as u32, run.start as u32);
             // SAFETY: `bind` bound everything that the pipeline reads, and the ranges lie inside the buffers.
             unsafe {
@@ -287,21 +287,21 @@ impl Shadows {
             unsafe { device.cmd_bind_descriptor_sets(raw, point, layout, 1, &[sets.raw(set)], &[]) };
             bound.material = Some(set);
         }
-        let geometry = data.geometry();
+        let (piece, geometry, range) = data.meshes().drawn(batch.mesh);
         let (Some(vertices), Some(indices)) = (geometry.vertices(), geometry.indices()) else { return };
         let streams @ (offsets, count) = &self.stream_offsets[index];
-        if bound.streams != Some(*streams) {
+        if bound.streams != Some((piece, *streams)) {
             let buffers = [vertices.raw(); super::MOST_STREAMS];
             // SAFETY: both lists are of one length, and offsets lie inside the buffer.
             unsafe { device.cmd_bind_vertex_buffers(raw, 0, &buffers[..*count], &offsets[..*count]) };
-            bound.streams = Some(*streams);
+            bound.streams = Some((piece, *streams));
         }
-        let width = geometry.meshes()[batch.mesh].index_width;
-        if bound.index_width != Some(width) {
+        let width = range.index_width;
+        if bound.indices != Some((piece, width)) {
             let offset = geometry.index_offset_bytes(width);
             // SAFETY: the offset lies inside the buffer and is a multiple of the index size.
             unsafe { device.cmd_bind_index_buffer(raw, indices.raw(), offset, width.index_type()) };
-            bound.index_width = Some(width);
+            bound.indices = Some((piece, width));
         }
     }
 }
@@ -376,6 +376,8 @@ fn barrier(
 struct Bound {
     pipeline: Option<usize>,
     material: Option<usize>,
-    streams: Option<([u64; super::MOST_STREAMS], usize)>,
-    index_width: Option<IndexWidth>,
+    /// With the piece of the meshes.
+    streams: Option<(usize, ([u64; super::MOST_STREAMS], usize))>,
+    /// Likewise.
+    indices: Option<(usize, IndexWidth)>,
 }

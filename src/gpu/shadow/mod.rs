@@ -16,11 +16,12 @@ use ash::vk;
 use glam::Mat4;
 
 use super::descriptor::{Content, DescriptorSets};
+use super::meshes::Meshes;
 use super::scene_data::SceneData;
 use super::shader::shared;
 use super::shared::{InstanceData, ShadowViewData};
 use super::{
-    Buffer, BufferDesc, Device, Geometry, Image, ImageDesc, MemoryUse, Owned, PipelineCache, StreamKind, conv,
+    Buffer, BufferDesc, Device, Image, ImageDesc, MemoryUse, Owned, PipelineCache, StreamKind, conv,
 };
 use crate::plan::{Plan, ShadowFigures, ShadowMap, ShadowOptions, planned_bytes};
 use crate::scene::{Aabb, Light, Scene};
@@ -222,7 +223,7 @@ impl Shadows {
             material_set_of,
             map: map.clone(),
             lights: LightViews::of(scene, &plan.options.shadows, map),
-            stream_offsets: casters.batches.iter().map(|b| stream_offsets(data.geometry(), map, b)).collect(),
+            stream_offsets: casters.batches.iter().map(|b| stream_offsets(data.meshes(), map, b)).collect(),
             casters,
             bounds_world,
             tiles: Tiles::new(map.tiles.len()),
@@ -295,9 +296,10 @@ impl Shadows {
 /// Positions, texture coordinates, colours.
 const MOST_STREAMS: usize = 3;
 
-fn stream_offsets(geometry: &Geometry, map: &ShadowMap, batch: &Batch) -> ([u64; MOST_STREAMS], usize) {
+fn stream_offsets(meshes: &Meshes, map: &ShadowMap, batch: &Batch) -> ([u64; MOST_STREAMS], usize) {
     let mask = map.casters[batch.pipeline].mask;
-    let group = &geometry.groups()[geometry.meshes()[batch.mesh].group];
+    let (_, geometry, range) = meshes.drawn(batch.mesh);
+    let group = &geometry.groups()[range.group];
     let read = |kind| match kind {
         StreamKind::Position => true,
         StreamKind::Texcoords => mask.is_some_and(|m| m.textured),

@@ -85,7 +85,7 @@ pub fn read_particles(
                 name: node.name.clone().unwrap_or_else(|| format!("particles {}", all.len())),
                 ..Particles::new(material, soft_m, list.collect())
             };
-            if let Some(problem) = particles.problem(usize::MAX) {
+            if let Some(problem) = particles.numbers_problem() {
                 return Err(doc.bad(element, problem, "correct the points' attributes"));
             }
             if !particles.shine(&materials.materials[material]) {

@@ -1,12 +1,38 @@
-//! Which textures are on the device, and in what order pipelines have them.
+//! What of a scene is brought to the device, and how pipelines use it.
 
 use std::collections::BTreeSet;
 
-use super::objects::Batch;
-use super::scene_data::surface;
-use super::{ColorEncoding, TextureKey};
+use super::super::objects::Batch;
+use super::super::{ColorEncoding, Streams, TextureKey};
 use crate::plan::{Pipeline, Plan, SLOTS, SurfaceKind};
 use crate::scene::Scene;
+
+/// The kind of surface that a pipeline draws.
+pub(in crate::gpu) fn surface(plan: &Plan, pipeline: usize) -> &SurfaceKind {
+    match &plan.pipelines[pipeline].1 {
+        Pipeline::Surface(kind) => kind,
+        other => unreachable!("batches are made for surfaces, not for {other:?}"),
+    }
+}
+
+/// What each mesh's pipelines read. A mesh has one material, so its pipelines differ in winding only.
+pub(super) fn streams(scene: &Scene, plan: &Plan, batches: &[Batch]) -> Vec<Option<Streams>> {
+    let mut streams = vec![None; scene.meshes.len()];
+    for batch in batches {
+        streams[batch.mesh] = Some(vertex_streams(surface(plan, batch.pipeline)));
+    }
+    streams
+}
+
+/// The vertex attributes that a kind of surface reads.
+pub(in crate::gpu) fn vertex_streams(kind: &SurfaceKind) -> Streams {
+    Streams {
+        normals: !kind.unlit,
+        tangents: kind.needs_tangents(),
+        texcoords: kind.texcoord_sets(),
+        colors: kind.vertex_color,
+    }
+}
 
 /// The textures of a material in the order of its descriptors.
 pub(super) fn material_textures<'a>(
@@ -21,7 +47,7 @@ pub(super) fn material_textures<'a>(
     })
 }
 
-/// Every texture that some pipeline samples, once.
+/// Every texture that some pipeline samples, once; `others` are pipelines and materials of what is no object.
 pub(super) fn texture_keys(
     scene: &Scene,
     plan: &Plan,

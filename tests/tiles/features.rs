@@ -1,0 +1,94 @@
+//! What engines leave the tile for: decals, bloom, several samples a pixel.
+
+use super::child::{Case, Fault};
+use super::common::turnip;
+use super::{ALL_STAGES, commitments, frames, local_read, metallic, on_tile, shadow_tiles};
+use ontile::measure::tiler::{TilerTrace, Verdict};
+use ontile::plan::{BloomWay, DecalWay, Edges, Layout, LightWay, Path as LightPath, Translucency};
+
+/// Each way of ordering decals, in layouts of every kind.
+#[test]
+fn decals_stay_on_the_tile() {
+    let Some(turnip) = turnip::find() else { return };
+    let painted = |decals, scene, layout| Case { decals, ..Case::new(scene, layout) };
+    let mut cases = vec![(3, painted(DecalWay::Fixed, "color_decals", Layout::Metallic128))];
+    for decals in [DecalWay::RasterOrder, DecalWay::Barrier] {
+        cases.extend([
+            (4, painted(decals, "decals", Layout::Metallic128)),
+            (4, painted(decals, "decals", Layout::Rasa128)),
+            (4, painted(decals, "decals", Layout::Ontile128)),
+            (3, painted(decals, "decals", Layout::Metallic256)),
+            (3, painted(decals, "decals", Layout::Packed128)),
+            (3, painted(decals, "color_decals", Layout::Ontile64)),
+        ]);
+        let lights = LightWay::Stencil;
+        cases.push((4, Case { lights, ..painted(decals, "decals", Layout::Ontile128) }));
+        cases.push((4, local_read(painted(decals, "decals", Layout::Ontile128))));
+        cases.push((3, local_read(painted(decals, "decals", Layout::Packed128))));
+    }
+    cases.push((3, local_read(painted(DecalWay::Fixed, "color_decals", Layout::Metallic128))));
+    for (subpasses, case) in &cases {
+        frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
+    }
+}
+
+/// Barriers within a subpass need its dependency on itself, and that by region.
+#[test]
+fn a_wrong_dependency_of_decals_is_found_out() {
+    let Some(turnip) = turnip::find() else { return };
+    let spoilt = |fault| {
+        let decals = DecalWay::Barrier;
+        Case { fault: Some(fault), decals, ..Case::new("decals", Layout::Metallic128) }
+    };
+    for fault in [Fault::ItselfNotByRegion, Fault::ItselfDropped] {
+        frames(&turnip, &spoilt(fault), |_, frame| frame.expect_objection("validation: "));
+    }
+}
+
+/// What bloom needs is stored once more or not at all, and its own passes load nothing either.
+#[test]
+fn bloom_leaves_the_pass_whole() {
+    let Some(turnip) = turnip::find() else { return };
+    for (bloom, stored) in [(BloomWay::Previous, 4), (BloomWay::Store, 8)] {
+        frames(&turnip, &Case { bloom, ..metallic(ALL_STAGES) }, |gpu, frame| {
+            let report = &frame.told.report;
+            let TilerTrace { mut passes, warnings } = frame.trace.after(shadow_tiles(report));
+            let after = passes.split_off(1);
+            assert_eq!(TilerTrace { passes, warnings }.verdict(stored), Verdict::OnTile, "{bloom} on {gpu}");
+            assert_eq!(after.len(), report["post_passes"].as_array().unwrap().len());
+            for pass in &after {
+                let bytes = [pass.load_bytes_per_pixel, pass.store_bytes_per_pixel];
+                assert_eq!((bytes, pass.attachments), ([0, 4], 1), "{bloom} on {gpu}: {pass:?}");
+            }
+            let mut objections = commitments(report);
+            objections.retain(|o| !o.starts_with("\"bloom_light\""));
+            objections.extend(frame.told.messages.iter().cloned());
+            assert_eq!(objections, Vec::<String>::new(), "{bloom} on {gpu}");
+            assert_eq!(report["totals"]["stored_bytes_per_pixel"]["value"], f64::from(stored));
+        });
+    }
+}
+
+#[test]
+fn several_samples_stay_on_the_tile() {
+    let Some(turnip) = turnip::find() else { return };
+    let of = |layout, samples, edges| Case { samples, edges, ..Case::new(ALL_STAGES, layout) };
+    let of_glass = |translucency, layout| Case { samples: 4, translucency, ..Case::new("glass", layout) };
+    let cases = [
+        (3, of(Layout::Metallic128, 4, Edges::All)),
+        (3, of(Layout::Metallic128, 4, Edges::Compare)),
+        (3, of(Layout::Ontile128, 4, Edges::Compare)),
+        (3, of(Layout::Ontile128, 4, Edges::Coverage)),
+        (3, Case { lights: LightWay::Stencil, ..of(Layout::Ontile96, 4, Edges::Compare) }),
+        (2, of(Layout::Packed128, 4, Edges::Compare)),
+        (3, of(Layout::Metallic128, 2, Edges::Auto)),
+        (1, Case { path: LightPath::Forward, ..of(Layout::Metallic128, 4, Edges::Auto) }),
+        (5, of_glass(Translucency::Oit, Layout::Metallic128)),
+        (5, of_glass(Translucency::Oit, Layout::Packed128)),
+        (5, of_glass(Translucency::Weighted, Layout::Metallic128)),
+        (19, of_glass(Translucency::Peeled, Layout::Metallic128)),
+    ];
+    for (subpasses, case) in &cases {
+        frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
+    }
+}
