@@ -32,6 +32,7 @@
 #define BINDING_BLOOM 24
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
+#define BINDING_MEDIUM 2
 
 // Input attachments, by the name of what they hold. A pipeline has those that its subpass reads: when it is made, their indices
 // and bindings in SET_INPUTS become their places in the subpass.
@@ -179,6 +180,7 @@
 #define ID_LAYER_PAIRS 94
 #define ID_BEHIND_OPAQUE 95
 #define ID_HAS_BEHIND 96
+#define ID_ABSORBS 97
 #define ID_DECAL_BASE_COLOR 100
 #define ID_DECAL_NORMAL 101
 #define ID_DECAL_ROUGHNESS 102

@@ -21,6 +21,8 @@ embed![
     "lighting.frag",
     "lighting_samples.frag",
     "mask.frag",
+    "medium.frag",
+    "medium_samples.frag",
     "particle.frag",
     "particle.vert",
     "particle_samples.frag",

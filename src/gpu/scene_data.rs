@@ -9,19 +9,21 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::around::AroundData;
+use super::convert;
 use super::decals::Decals;
 use super::descriptor::{Content, DescriptorSets};
 use super::frame_data::{Everything, FrameData, Written};
 use super::globe_maps::GlobeMaps;
 use super::light_lists::LightLists;
 use super::lights::{Lights, VolumeLight};
-use super::material_data::Materials;
+use super::material_data::Blocks;
 use super::meshes::Meshes;
 use super::objects::{Batch, Objects};
 use super::particles::SceneParticles;
 use super::pipeline::{Family, FamilyLayout, Pipelines};
 use super::shader::shared;
 use super::shadow::ShadowResources;
+use super::shared::{MaterialData, MediumData};
 use super::volume_casters::VolumeCasters;
 use super::{ColorEncoding, Device, Recorder, TextureKey, Textures, Upload, View};
 use crate::Result;
@@ -44,7 +46,8 @@ pub(super) struct SceneData {
     particles: SceneParticles,
     /// One a frame slot.
     frames: Vec<FrameData>,
-    materials: Option<Materials>,
+    materials: Option<Blocks<MaterialData>>,
+    media: Option<Blocks<MediumData>>,
     meshes: Meshes,
     textures: Textures,
     globe_maps: Option<GlobeMaps>,
@@ -99,7 +102,12 @@ impl SceneData {
             particles,
             light_lists: LightLists::new(plan, lights.count()),
             lights,
-            materials: Materials::new(device, upload, scene, &materials)?,
+            materials: Blocks::new(device, upload, "materials", &materials, |i| {
+                convert::material(&scene.materials[i])
+            })?,
+            media: Blocks::new(device, upload, "media", &media(scene, &materials), |i| {
+                convert::medium(&scene.materials[i].transmission.unwrap_or_default())
+            })?,
             meshes,
             textures,
             globe_maps: globes.map(|layers| GlobeMaps::new(device, upload, &layers)).transpose()?,
@@ -214,7 +222,8 @@ impl SceneData {
     /// Device memory of buffers and textures.
     pub(super) fn allocated_bytes(&self) -> u64 {
         self.frames.iter().map(FrameData::allocated_bytes).sum::<u64>()
-            + self.materials.as_ref().map_or(0, Materials::allocated_bytes)
+            + self.materials.as_ref().map_or(0, Blocks::allocated_bytes)
+            + self.media.as_ref().map_or(0, Blocks::allocated_bytes)
             + self.volume_casters.as_ref().map_or(0, VolumeCasters::allocated_bytes)
             + self.meshes.allocated_bytes()
             + self.textures.allocated_bytes()
@@ -390,6 +399,11 @@ impl SceneData {
                 vk::DescriptorType::UNIFORM_BUFFER,
                 &numbers,
             );
+            let medium = self.media.as_ref().filter(|_| material_kind(plan, pipeline).transmits);
+            if let Some(media) = medium {
+                let binding = const { shared("BINDING_MEDIUM") };
+                sets.write(index, binding, vk::DescriptorType::UNIFORM_BUFFER, &media.content(material));
+            }
             let images: Vec<_> = material_textures(scene, &material_kind(plan, pipeline), material)
                 .map(|key| self.image(key))
                 .collect();
@@ -401,6 +415,11 @@ impl SceneData {
         self.material_sets = Some(sets);
         Ok(())
     }
+}
+
+/// Those of these materials that light goes through.
+fn media(scene: &Scene, materials: &BTreeSet<usize>) -> BTreeSet<usize> {
+    materials.iter().copied().filter(|&i| scene.materials[i].transmits().is_some()).collect()
 }
 
 /// A layout of each [`Family::frame`].

@@ -102,6 +102,10 @@ pub enum Module {
     ShadowVolumeVertex,
     /// The square of a particle.
     ParticleVertex,
+    /// Multiplies what is behind a surface that light goes through, or adds its own light.
+    Medium,
+    /// [`Self::Medium`] of several samples a pixel.
+    MediumSamples,
     /// Adds a particle's light.
     Particle,
     /// [`Self::Particle`] of several samples a pixel.
@@ -110,7 +114,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 33] = [
+    pub const ALL: [Self; 35] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -139,6 +143,8 @@ impl Module {
         Self::Decal,
         Self::DecalSamples,
         Self::ParticleVertex,
+        Self::Medium,
+        Self::MediumSamples,
         Self::Particle,
         Self::ParticleSamples,
         Self::PeelSamples,
@@ -173,6 +179,7 @@ impl Module {
             Self::EdgeFilter => "edge_filter.frag",
             Self::ShadowVolumeVertex => "shadow_volume.vert",
             Self::ParticleVertex => "particle.vert",
+            Self::Medium | Self::MediumSamples => "medium.frag",
             Self::Particle | Self::ParticleSamples => "particle.frag",
         }
     }
@@ -185,6 +192,7 @@ impl Module {
             Self::DecalSamples => "decal_samples.frag",
             Self::FogSamples => "fog_samples.frag",
             Self::ParticleSamples => "particle_samples.frag",
+            Self::MediumSamples => "medium_samples.frag",
             Self::PeelSamples => "peel_samples.frag",
             Self::CompositeSamples => "composite_samples.frag",
             Self::ForwardSamples => "forward_samples.frag",
@@ -201,6 +209,7 @@ impl Module {
             | Self::FogSamples
             | Self::DecalSamples
             | Self::ParticleSamples
+            | Self::MediumSamples
             | Self::PeelSamples
             | Self::CompositeSamples
             | Self::ForwardSamples => &["MULTISAMPLED"],
@@ -216,6 +225,7 @@ impl Module {
             Self::Decal => Self::DecalSamples,
             Self::Fog => Self::FogSamples,
             Self::Particle => Self::ParticleSamples,
+            Self::Medium => Self::MediumSamples,
             Self::Peel => Self::PeelSamples,
             Self::Composite => Self::CompositeSamples,
             Self::Forward => Self::ForwardSamples,

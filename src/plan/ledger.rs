@@ -355,9 +355,14 @@ impl Plan {
                     1 => format!(" ({})", n.why),
                     instances => format!(" ({instances} instances, first {})", n.why),
                 });
-                let what = if kind.blend { "blended surface" } else { "surface" };
+                let what = match (kind.transmits, kind.blend) {
+                    (true, _) => "medium",
+                    (_, true) => "blended surface",
+                    _ => "surface",
+                };
                 format!("{what} {kind}{}", why.unwrap_or_default())
             }
+            P::Absorb(kind) => format!("absorption, {kind}"),
             P::Depth(kind) => {
                 let flags = [
                     (kind.alpha_mask, " +alpha mask"),

@@ -11,6 +11,7 @@ use super::edges::{SNAP_PX, is_creased, is_torn};
 use super::fog::fogged;
 use super::gbuffer::{Attributes, attributes};
 use super::layers::{Blended, Layer, over};
+use super::media::{Film, behind};
 use super::particles::Sparks;
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
 use super::shade::reflected_parts;
@@ -205,22 +206,29 @@ impl<'a> Tracer<'a> {
         let pixels = (0..width * height).into_par_iter().map(|index| {
             let (x, y) = (index % width, index / width);
             let mut edge = is_edge(visibility, &view, &centers, &corners, x, y);
-            let mut layers = Vec::new();
+            let ray = view.ray_through_pixel([x, y]);
+            let opaque_m = centers.at(x, y).map_or(f64::INFINITY, |hit| hit.distance);
+            let (mut films, mut layers) = (Vec::new(), Vec::new());
             if let Some((blended, centers, corners)) = &blended {
                 edge = edge || blended.is_edge(visibility, &view, [centers, corners], [x, y]);
-                layers.extend(centers.at(x, y).iter().map(|hit| {
-                    let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
+                for hit in centers.at(x, y) {
+                    let position_world = ray.at(hit.distance);
                     let exact = attributes(blended.visibility(), around, &view, position_world, hit);
                     let own = Settings { gbuffer: None, ..settings.clone() };
-                    let shaded =
-                        finish(scene, (&view, [x, y]), &own, occlusion, exact, exact.prelit, Over::default());
-                    Layer { light: shaded.linear, alpha: blended.alpha(hit) }
-                }));
+                    let none = Over::default();
+                    let light =
+                        finish(scene, (&view, [x, y]), &own, occlusion, exact, exact.prelit, none).linear;
+                    let alpha = blended.alpha(hit);
+                    let (at, shown) = ((&ray, hit, opaque_m), (exact.normal_world, alpha, light));
+                    match Film::new(blended.visibility(), &view, settings.exposure(), at, shown) {
+                        Some(film) => films.push(film),
+                        None => layers.push(Layer { light, alpha }),
+                    }
+                }
             }
-            let opaque_m = centers.at(x, y).map_or(f64::INFINITY, |hit| hit.distance);
-            let shine = particles.shine(&view, &view.ray_through_pixel([x, y]), opaque_m);
+            let shine = particles.shine(&view, &ray, opaque_m);
             edge = edge || shine.edge;
-            let over = Over { layers: &layers, added_nt: shine.light_nt };
+            let over = Over { films: &films, layers: &layers, added_nt: shine.light_nt };
             let Some(hit) = centers.at(x, y) else {
                 let sky = match scene.background {
                     Background::Environment => {
@@ -281,7 +289,9 @@ pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffe
 /// What lies over a surface.
 #[derive(Clone, Copy, Default)]
 struct Over<'a> {
-    /// What is blended, from near to far.
+    /// What light goes through, from near to far.
+    films: &'a [Film],
+    /// What is blended over that, likewise.
     layers: &'a [Layer],
     /// What particles add as it arrives at the viewer, cd/m².
     added_nt: DVec3,
@@ -296,7 +306,7 @@ fn finish(
     occlusion: Option<&Occlusion>,
     attributes: Attributes,
     prelit: DVec3,
-    Over { layers, added_nt }: Over,
+    Over { films, layers, added_nt }: Over,
 ) -> Pixel {
     let shadowed = Cell::new(0_u64);
     let hidden = |light: usize, to_light| {
@@ -330,7 +340,9 @@ fn finish(
         }
         _ => linear,
     };
+    let (linear, under) = behind(linear, films);
     let (linear, over_it) = over(linear, layers);
+    let over_it = 1.0 - (1.0 - under) * (1.0 - over_it);
     let linear = linear + added_nt * settings.exposure();
     let display = match scene.background {
         // A colour of the display: what is blended lies over it as a picture on a page.

@@ -33,6 +33,7 @@ pub mod gbuffer;
 pub mod globe;
 mod layers;
 pub mod lightmap;
+mod media;
 mod particles;
 pub mod path;
 pub mod punctual;

@@ -33,8 +33,8 @@ pub use mesh::{Aabb, Instance, Mesh};
 pub use mipmaps::{MipLevel, mip_level_count, mipmaps};
 pub use particles::{Particle, Particles};
 pub use probe::Probe;
-pub use transmission::Transmission;
 pub use surroundings::{Background, Fog, FogHeight};
+pub use transmission::Transmission;
 pub use world::{Changes, Element, Id, World};
 
 use glam::Vec3;

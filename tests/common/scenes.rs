@@ -20,6 +20,8 @@ pub mod shadow_scenes;
 
 #[path = "glass_scenes.rs"]
 pub mod glass_scenes;
+#[path = "media_scenes.rs"]
+pub mod media_scenes;
 #[path = "particle_scenes.rs"]
 pub mod particle_scenes;
 
@@ -106,6 +108,7 @@ pub fn built() -> Vec<Scene> {
     all.extend(environments::all());
     all.extend(glass_scenes::all());
     all.extend(particle_scenes::all());
+    all.extend(media_scenes::all());
     all
 }
 

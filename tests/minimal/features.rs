@@ -41,6 +41,8 @@ pub fn objects(scene: &Scene, options: &Options) -> Objects {
             "fog",
             "blended surface",
             "particles",
+            "medium",
+            "absorption",
         ];
         if pipeline.starts_with("light, where its shadow volumes are not") {
             return "shadowed light".to_owned();

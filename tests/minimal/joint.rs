@@ -21,6 +21,7 @@ const SUMMING: &[&str] = &[
     "an unlit neighbour",
     "a blended neighbour",
     "particles",
+    "light that goes through",
     "a shadow volume",
 ];
 const SHADOWED: &str = "lighting: binding shadow, lighting: SHADOWS, image shadow map, buffer shadow views, buffer casters, \
@@ -48,9 +49,12 @@ const JOINT: &[Joint] = &[
     Joint { of: [&["background colour"], SUMMING], objects: "tonemap: BACKGROUND" },
     // What is fogged before something is blended over it; and the part of a colour that it covers.
     Joint { of: [&["fog"], &["a blended neighbour"]], objects: "pipeline fog, fog:, blended surface: FOG" },
-    Joint { of: [&["fog"], &["particles"]], objects: "subpass fog, pipeline fog, fog:, particles: FOG" },
     Joint {
-        of: [&["background colour"], &["a blended neighbour", "particles"]],
+        of: [&["fog"], &["particles", "light that goes through"]],
+        objects: "subpass fog, pipeline fog, fog:, particles: FOG, medium: FOG, medium: input depth_test, medium: HAS_BEHIND",
+    },
+    Joint {
+        of: [&["background colour"], &["a blended neighbour", "particles", "light that goes through"]],
         objects: "tonemap: TRANSLUCENCY",
     },
     // Beyond the boxes.

@@ -5,7 +5,7 @@ use ontile::glam::{DVec3, Mat4, Vec2, Vec3, Vec4};
 use ontile::scene::{
     AlphaMode, Background, Decal, DecalChannels, Fog, FogHeight, GlobeMap, GlobePicture, Image, Instance,
     Light, LightKind, Lightmap, LightmapRect, Material, Mesh, Particle, Particles, Sampler, Scene, Shadow,
-    Texture, TextureRef,
+    Texture, TextureRef, Transmission,
 };
 
 pub const UNLIT: &str = "attachment output, subpass geometry, pipeline surface unlit, surface unlit: attribute position, \
@@ -37,6 +37,13 @@ fn decal(scene: &mut Scene, channels: DecalChannels) {
     scene.materials.push(Material { name: "paint".into(), ..Material::default() });
     scene.decals.push(Decal { name: "spot".into(), channels, ..Decal::new(material, Mat4::IDENTITY) });
 }
+
+const MEDIUM: &str = "attachment depth_test, subpass media, buffer media, pipeline absorption, absorption: attribute position, \
+                      absorption: attribute normal, absorption: binding frame, absorption: binding instances, \
+                      absorption: binding material, absorption: binding medium, absorption: input depth_test, \
+                      absorption: HAS_BEHIND, absorption: ABSORBS, pipeline medium, medium: attribute position, \
+                      medium: attribute normal, medium: binding frame, medium: binding instances, medium: binding material, \
+                      medium: binding medium, medium: binding lights, medium: HAS_DIRECTIONAL";
 
 const SPARKS: &str = "subpass particles, pipeline particles, particles: binding frame, particles: binding particles, \
                       particles: binding material, particles: HAS_BEHIND, particles: input depth_test, \
@@ -391,6 +398,17 @@ pub const OF_LIT: &[Feature] = &[
           blended surface: binding frame, blended surface: binding instances, blended surface: binding material, \
           blended surface: UNLIT, blended surface: BLEND, blended surface: LIGHT_TARGET",
         ],
+    ),
+    summed(
+        "light that goes through a neighbour",
+        |s| {
+            let transmission =
+                Some(Transmission { factor: 0.5, thickness_m: 1.0, ..Transmission::default() });
+            neighbour(s, Material { transmission, name: "water".into(), ..Material::default() });
+            s.instances
+                .push(Instance::new(s.meshes.len() - 1, Mat4::from_translation(Vec3::new(0.2, 1.0, -0.5))));
+        },
+        &[SUMMED, MEDIUM],
     ),
     summed("particles", |s| particles(s, false), &[SUMMED, SPARKS]),
     summed(

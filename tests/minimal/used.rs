@@ -62,12 +62,14 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
     };
     let is_drawn = any(&|_, _| true);
     let lit = any(&|_, material| !material.unlit);
-    let is_blended = |material: &Material| material.alpha_mode == AlphaMode::Blend;
+    let is_medium = |material: &Material| material.transmits().is_some();
+    let is_blended = |material: &Material| material.alpha_mode == AlphaMode::Blend && !is_medium(material);
+    let media = any(&|_, material| is_medium(material));
     let blended = any(&|_, material| is_blended(material));
     let sparks = shone(scene).next().is_some();
-    let over = blended || sparks;
-    let lit_opaque = any(&|_, material| !material.unlit && !is_blended(material));
-    let unlit = any(&|_, material| material.unlit && !is_blended(material));
+    let over = blended || sparks || media;
+    let lit_opaque = any(&|_, material| !material.unlit && !material.shows_behind());
+    let unlit = any(&|_, material| material.unlit && !material.shows_behind());
     let slot = |slot: usize| any(&|mesh, material| textures(scene, mesh, material)[slot].is_some());
     let texture = |wanted: fn(&TextureRef) -> bool| {
         any(&|mesh, material| textures(scene, mesh, material).iter().flatten().any(wanted))
@@ -85,7 +87,7 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
     });
     let lights = directional || local || hemisphere;
     let triangles: usize = drawn(scene).map(|(mesh, _)| mesh.indices.len() / 3).sum();
-    let opaque = drawn(scene).filter(|(_, material)| !is_blended(material));
+    let opaque = drawn(scene).filter(|(_, material)| !material.shows_behind());
     let opaque: usize = opaque.map(|(mesh, _)| mesh.indices.len() / 3).sum();
     let hides = opaque > 1 || (opaque == 1 && over);
     let shadow = opaque > 0 && triangles > 1 && shining().any(|light| light.shadow.is_some());
@@ -201,7 +203,21 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("sky: PROBES", probes),
         ("sky: LIGHT_TARGET", summed),
         ("shadow c", shadow),
-        ("subpass fog", fog && sparks && !blended && deferred),
+        ("subpass fog", fog && deferred && (media || sparks && !blended)),
+        ("subpass media", media),
+        ("pipeline medium", media),
+        ("medium:", media),
+        ("medium: binding lights", media && (directional || local)),
+        ("medium: binding light lists", media && local),
+        ("medium: binding shadow", media && shadow),
+        ("medium: FOG", media && fog),
+        ("medium: input depth", media && fog && opaque > 0),
+        ("medium: HAS_BEHIND", media && fog && opaque > 0),
+        ("pipeline absorption", media),
+        ("absorption:", media),
+        ("absorption: input depth", media && opaque > 0),
+        ("absorption: HAS_BEHIND", media && opaque > 0),
+        ("buffer media", media),
         ("subpass particles", sparks),
         ("pipeline particles", sparks),
         ("buffer particles", sparks),

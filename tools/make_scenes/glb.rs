@@ -1,6 +1,6 @@
 //! A writer of binary glTF 2.0: one JSON chunk, one BIN chunk, keys in a fixed order.
 
-pub use super::model::{Light, LightKind, Material, Pose, Slot};
+pub use super::model::{Light, LightKind, Material, Medium, Pose, Slot};
 
 use super::mesh::Mesh;
 use super::texture::{Encoded, Mime, Surface};
@@ -82,6 +82,17 @@ impl Glb {
         if m.emissive_strength != 1.0 {
             let strength = json!({"emissiveStrength": number(m.emissive_strength)});
             extensions.insert(self.uses("KHR_materials_emissive_strength"), strength);
+        }
+        if let Some(medium) = m.medium {
+            let transmission = json!({"transmissionFactor": number(medium.transmission)});
+            extensions.insert(self.uses("KHR_materials_transmission"), transmission);
+            extensions.insert(self.uses("KHR_materials_ior"), json!({"ior": number(medium.ior)}));
+            let volume = json!({
+                "thicknessFactor": number(medium.thickness_m),
+                "attenuationColor": numbers(medium.color.to_array()),
+                "attenuationDistance": number(medium.distance_m),
+            });
+            extensions.insert(self.uses("KHR_materials_volume"), volume);
         }
         if m.unlit {
             extensions.insert(self.uses("KHR_materials_unlit"), json!({}));

@@ -1,7 +1,7 @@
 //! A pool of water beside a fire in a walled garden at night: steps lead down into it, stones and a column stand in it, steam lies
 //! over it and sparks rise from the fire. What is blended, added and refracted after lighting, in one place.
 
-use super::glb::{Glb, Light, LightKind, Material, Pose, Slot};
+use super::glb::{Glb, Light, LightKind, Material, Medium, Pose, Slot};
 use super::mesh::{Mesh, planar_texcoord};
 use super::noise::{cellular, fractal, gradient_noise, pick, smoothstep};
 use super::shape::{circle, cuboid, lathe, sphere};
@@ -204,10 +204,18 @@ fn water(glb: &mut Glb) {
         let short = gradient_noise(Vec2::new(u * 13.0, v * 9.0), IVec2::new(13, 9), 29);
         (Vec3::new(place.x, WATER_M + 0.012 * long + 0.004 * short, place.y), Vec2::ZERO)
     });
+    // Clear water would need a sea to be seen: this has some clay in it.
+    let medium = Medium {
+        transmission: 0.96,
+        ior: 1.333,
+        thickness_m: 12.0,
+        color: linear(0x54c0bc),
+        distance_m: 1.1,
+    };
     let water = Material {
-        base_color: linear(0x2a5a60),
-        roughness: 0.05,
-        blend_alpha: Some(0.4),
+        base_color: linear(0xe8f4f2),
+        roughness: 0.06,
+        medium: Some(medium),
         ..Material::default()
     };
     place(glb, "water", &surface.untextured(), &water, Pose::origin());

@@ -50,6 +50,9 @@ impl Elements<'_> {
                     self.input(*stage, binding)
                 }
                 Some((stage, pipeline)) if pipeline.reads_attachments() => self.input(*stage, binding),
+                _ if binding == const { shared("BINDING_MEDIUM") } => {
+                    ("medium".into(), format!("{element} lets light through"))
+                }
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),
                 _ => {
                     let slots = found.map_or_else(Vec::new, |(_, pipeline)| slots(pipeline));
@@ -121,7 +124,9 @@ impl Elements<'_> {
 /// The texture slots of what a pipeline draws.
 fn slots(pipeline: &Pipeline) -> Vec<&'static str> {
     let kind = match pipeline {
-        Pipeline::Surface(kind) | Pipeline::Light(kind) | Pipeline::Depth(kind) => *kind,
+        Pipeline::Surface(kind) | Pipeline::Absorb(kind) | Pipeline::Light(kind) | Pipeline::Depth(kind) => {
+            *kind
+        }
         Pipeline::Decal(kind) => kind.surface(),
         Pipeline::Particles(kind) => kind.surface(),
         _ => return Vec::new(),

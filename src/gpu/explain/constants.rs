@@ -50,6 +50,7 @@ impl Elements<'_> {
             "LAYER_PAIRS" => format!("layers have the words of the G-buffer {}", options.layout),
             "BEHIND_OPAQUE" => format!("the G-buffer {} has depth in the depth attachment", options.layout),
             "HAS_BEHIND" => format!("{element} fade in front of what is opaque"),
+            "ABSORBS" => format!("{element} lets through a part of what is behind it"),
             "BLEND" => is("blended over what is behind it"),
             "TRANSLUCENCY" => {
                 let over = self.plan.needs.over_light();

@@ -123,6 +123,11 @@ impl Elements<'_> {
                 plan.needs.decals.first().map_or_else(String::new, |need| format!("{} is painted", need.why)),
             ),
             (!plan.needs.particles.is_empty(), "particles", format!("{sparks} shine")),
+            (
+                plan.needs.transmits.is_some(),
+                "media",
+                format!("{} lets light through", plan.needs.transmits.as_deref().unwrap_or_default()),
+            ),
             (plan.shadow_map.is_some(), "casters", self.shadow_lights()),
         ];
         all.into_iter().filter(|(exists, ..)| *exists).map(|(_, name, why)| (name, why)).collect()

@@ -55,7 +55,7 @@ impl<'a> Elements<'a> {
                 .unwrap_or_default();
         };
         match &pipeline.per_pixel() {
-            Pipeline::Surface(kind) => self.need(|need| need.kind == *kind),
+            Pipeline::Surface(kind) | Pipeline::Absorb(kind) => self.need(|need| need.kind == *kind),
             Pipeline::Depth(kind) => self.need(|need| need.kind.depth() == *kind),
             Pipeline::Light(kind) => self.need(|need| need.kind == *kind),
             Pipeline::Sky => format!("the background is environment '{}'", self.environment()),

@@ -20,7 +20,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::Depth(kind) => {
             (Module::GeometryVertex, kind.alpha_mask.then_some(Module::Mask), surface(kind))
         }
-        Pipeline::Surface(kind) => {
+        Pipeline::Absorb(kind) | Pipeline::Surface(kind) if kind.transmits => {
+            let absorbs = Specialization::absorbs(matches!(pipeline, Pipeline::Absorb(_)));
+            let behind = Specialization::behind(depth_behind(plan));
+            (Module::GeometryVertex, Some(Module::Medium), surface(kind).and(absorbs).and(behind))
+        }
+        Pipeline::Surface(kind) | Pipeline::Absorb(kind) => {
             let fragment = if plan.lights_as_drawn(kind) {
                 // Without a light target what is unlit needs no more than its material.
                 if kind.unlit && plan.folded { Module::Unlit } else { Module::Forward }
@@ -77,8 +82,9 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
     let gbuffer = gbuffer_constants(plan).specialization();
     let brdf = Specialization::brdf(plan.options.brdf);
     let samples = sample_constants(plan, pipeline).specialization();
-    // Of what draws surfaces, only layers and what is peeled look at samples.
-    let reads = !pipeline.is_of_surfaces() || reads_samples(plan, pipeline);
+    // Of what draws surfaces, only layers, what is peeled and what absorbs look at samples.
+    let transmits = matches!(pipeline, Pipeline::Surface(kind) | Pipeline::Absorb(kind) if kind.transmits);
+    let reads = !pipeline.is_of_surfaces() || transmits || reads_samples(plan, pipeline);
     let fragment = fragment.map(|m| if plan.options.samples > 1 && reads { m.multisampled() } else { m });
     let all = samples.and(lighting).and(output).and(gbuffer).and(brdf).and(own);
     let all = match pipeline.is_of_blended() || *pipeline == Pipeline::Composite {
@@ -91,7 +97,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
 /// Whether it draws blended surfaces and reads, of each sample, what was left of others.
 fn reads_samples(plan: &Plan, pipeline: &Pipeline) -> bool {
     let keeps_layers = plan.options.translucency == Translucency::Oit;
-    matches!(pipeline, Pipeline::Surface(kind) if kind.blend && keeps_layers && !plan.folded)
+    matches!(pipeline, Pipeline::Surface(kind) if kind.blend && !kind.transmits && keeps_layers && !plan.folded)
         || matches!(pipeline, Pipeline::Peel { .. })
 }
 

@@ -19,6 +19,11 @@ impl Specialization {
         ])
     }
 
+    /// The constant of [`super::Module::Medium`]: whether it multiplies what is behind.
+    pub fn absorbs(absorbs: bool) -> Self {
+        Self::from_pairs(&[(const { shared("ID_ABSORBS") }, absorbs.into())])
+    }
+
     /// Constants of what reads the depth of what is opaque behind it: whether there is any, and whether lighting reads it too.
     pub fn behind(lighting_reads: Option<bool>) -> Self {
         Self::from_pairs(&[

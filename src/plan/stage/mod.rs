@@ -4,11 +4,13 @@ mod decals;
 mod deferred;
 mod depth;
 mod forward;
+mod media;
 mod particles;
 mod post;
 mod samples;
 mod translucency;
 
+pub use media::NAME as MEDIA;
 pub use particles::NAME as PARTICLES;
 pub(super) use samples::add as multisample;
 pub use translucency::{FOG, LAYERS, NAME as TRANSLUCENCY, PEEL};
@@ -233,7 +235,8 @@ impl Asked<'_> {
 
     /// What there is a light target for once surfaces are lit.
     fn over_light(&self) -> Option<String> {
-        let blended = self.needs.blended.as_ref().map(|blended| format!("{blended} is blended over it"));
+        let over = |blended: &String| format!("{blended} is blended over it");
+        let blended = self.needs.transmits.as_ref().or(self.needs.blended.as_ref()).map(over);
         blended.or(self.needs.particles.first().map(|need| format!("{} add to it", need.why)))
     }
 

@@ -1,8 +1,8 @@
 //! Surfaces that are blended over what is behind them, once that is lit and before the tone curve.
 
 use super::depth::Depth;
-use super::particles;
 use super::{Asked, Frame, Use};
+use super::{media, particles};
 use crate::plan::layout::{Target, Tells};
 use crate::plan::{Format, Translucency};
 
@@ -22,7 +22,9 @@ pub const PEEL: &str = "peel";
 /// where the G-buffer's surfaces are.
 pub(super) fn add(frame: &mut Frame, asked: &Asked, lights: &[usize], depth: &Depth, positions: &[usize]) {
     let Some(first) = asked.needs.over_light() else { return };
-    let sorted = asked.needs.blended.is_some() && asked.options.translucency == Translucency::Sorted;
+    let needs = asked.needs;
+    let alone = needs.blended.is_some() && needs.transmits.is_none();
+    let sorted = alone && asked.options.translucency == Translucency::Sorted;
     if !(sorted || positions.is_empty()) {
         let over = lights.iter().map(|&light| (light, Use::Blend));
         let read = positions.iter().map(|&position| (position, Use::Read));
@@ -30,7 +32,9 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, lights: &[usize], depth: &De
         let why = format!("what is behind {first} is fogged before it is covered");
         frame.add_stage(FOG, over.chain(read).chain(test), why);
     }
+    media::add(frame, asked, lights, depth);
     if let Some(blended) = &asked.needs.blended {
+        let positions = if sorted { positions } else { &[] };
         add_blended(frame, asked, blended, lights, (depth, positions));
     }
     particles::add(frame, asked, lights, depth);
