@@ -181,7 +181,11 @@ fn culling_does_not_change_the_pixels() {
             // Two triangles for each side of a box.
             let decals: usize = plan.needs.decals.iter().map(|need| need.decals).sum();
             let particles: usize = plan.needs.particles.iter().map(|need| need.particles).sum();
-            let screens = (screens + 12 * decals + 2 * particles) as u64;
+            // What light goes through is drawn twice.
+            let meshes = scene.instances.iter().map(|instance| &scene.meshes[instance.mesh]);
+            let media = meshes.filter(|mesh| scene.materials[mesh.material].transmits().is_some());
+            let twice: usize = media.map(|mesh| mesh.indices.len() / 3).sum();
+            let screens = (screens + 12 * decals + 2 * particles + twice) as u64;
             let make = |cull| {
                 gpu.offscreen(&scene, plan.clone(), RendererConfig { cull, ..RendererConfig::default() })
             };

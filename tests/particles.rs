@@ -1,8 +1,9 @@
-//! Particles that a host replaces from frame to frame, and several samples a pixel of them.
+//! Particles that a host replaces from frame to frame, and several samples a pixel of what reads the depth behind it.
 
 mod common;
 
 use common::render::{difference, on_device};
+use common::scenes::media_scenes::water;
 use common::scenes::particle_scenes::sparks;
 use ontile::glam::Vec3;
 use ontile::gpu::{RendererConfig, View};
@@ -81,6 +82,34 @@ fn samples_of_particles_are_those_of_the_reference() {
         scene.particles[0].soft_m = 0.0;
         let hard = supersampled(&scene, &scene.cameras[0], &settings, &STANDARD_4, |pixel| pixel.display);
         assert!(self::rms(&picture, &hard) > MAX_RMS, "a hard cut is not told apart");
+    });
+}
+
+/// Likewise what lets light through: the way of a pixel is that of the samples that are behind it.
+#[test]
+fn samples_of_water_are_those_of_the_reference() {
+    /// Of display light, root of the mean square over all pixels: surfaces lit once a pixel, and the mean way where one has two depths.
+    const MAX_RMS: f64 = 0.008;
+    on_device(None, |gpu| {
+        let mut scene = water().without_shadows();
+        let options = Options {
+            size: SIZE,
+            samples: 4,
+            layout: Layout::Exact,
+            output: OutputFormat::Rgba32Float,
+            tonemap: Tonemap::Aces,
+            ..Options::default()
+        };
+        let picture = gpu.picture(&scene, gpu.plan(&scene, options), 0.0);
+        let settings = Settings { size: SIZE, tonemap: Tonemap::Aces, ..Settings::default() };
+        let expected = supersampled(&scene, &scene.cameras[0], &settings, &STANDARD_4, |pixel| pixel.display);
+        let found = rms(&picture, &expected);
+        println!("off by {found:.5}");
+        assert!(found < MAX_RMS, "{found}");
+        let media = scene.materials.iter_mut().filter_map(|m| m.transmission.as_mut());
+        media.for_each(|t| t.attenuation_distance_m *= 1.5);
+        let clearer = supersampled(&scene, &scene.cameras[0], &settings, &STANDARD_4, |pixel| pixel.display);
+        assert!(rms(&picture, &clearer) > MAX_RMS, "clearer water is not told apart");
     });
 }
 
