@@ -44,6 +44,8 @@ const JOINT: &[Joint] = &[
     // What has no volume is in a map.
     Joint { of: [&["a shadow volume"], &["light from behind", "a blended neighbour"]], objects: SHADOWED },
     Joint { of: [&["a shadow volume"], &["light from behind"]], objects: "attachment depth_test" },
+    // Beside depth, the stencil.
+    Joint { of: [&["a shadow volume"], &["particles"]], objects: "particles: input depth_stencil_test" },
     // What is summed is fogged, and tells surfaces from background, afterwards.
     Joint { of: [&["fog"], SUMMING], objects: "tonemap: FOG, tonemap: input depth" },
     Joint { of: [&["background colour"], SUMMING], objects: "tonemap: BACKGROUND" },
