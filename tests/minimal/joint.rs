@@ -42,7 +42,10 @@ const JOINT: &[Joint] = &[
     // There is something for the shadow to fall on.
     Joint { of: [&["a shadow on nothing"], &["second triangle", "an unlit neighbour"]], objects: SHADOWED },
     // What has no volume is in a map.
-    Joint { of: [&["a shadow volume"], &["light from behind", "a blended neighbour"]], objects: SHADOWED },
+    Joint {
+        of: [&["a shadow volume"], &["light from behind", "a blended neighbour", "light that goes through"]],
+        objects: SHADOWED,
+    },
     Joint { of: [&["a shadow volume"], &["light from behind"]], objects: "attachment depth_test" },
     // Beside depth, the stencil.
     Joint { of: [&["a shadow volume"], &["particles"]], objects: "particles: input depth_stencil_test" },
