@@ -40,7 +40,10 @@ const JOINT: &[Joint] = &[
         objects: "image picture, surface lit: attribute texture coordinates, surface lit: binding textures, surface lit: SLOT_EMISSIVE",
     },
     // There is something for the shadow to fall on.
-    Joint { of: [&["a shadow on nothing"], &["second triangle", "an unlit neighbour"]], objects: SHADOWED },
+    Joint {
+        of: [&["a shadow on nothing"], &["second triangle", "an unlit neighbour", "light that goes through"]],
+        objects: SHADOWED,
+    },
     // What has no volume is in a map.
     Joint {
         of: [&["a shadow volume"], &["light from behind", "a blended neighbour", "light that goes through"]],
@@ -62,6 +65,8 @@ const JOINT: &[Joint] = &[
         of: [&["background colour"], &["a blended neighbour", "particles", "light that goes through"]],
         objects: "tonemap: TRANSLUCENCY",
     },
+    // It is lit.
+    Joint { of: [&["light that goes through"], &[]], objects: "medium:" },
     // Beyond the boxes.
     Joint { of: [&["an environment"], &["probes"]], objects: "surface lit: HAS_ENVIRONMENT" },
 ];

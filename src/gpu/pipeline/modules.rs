@@ -7,7 +7,7 @@ use super::super::shader::{
 };
 use crate::environment::TexelFormat;
 use crate::plan::{
-    DecalKind, DecalWay, Edges, Form, Format, Pipeline, Plan, ShadowNeed, SurfaceKind, Translucency,
+    Around, DecalKind, DecalWay, Edges, Form, Format, Pipeline, Plan, ShadowNeed, SurfaceKind, Translucency,
     VolumeShape,
 };
 use crate::visible::ShadowShape;
@@ -23,7 +23,12 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::Absorb(kind) | Pipeline::Surface(kind) if kind.transmits => {
             let absorbs = Specialization::absorbs(matches!(pipeline, Pipeline::Absorb(_)));
             let behind = Specialization::behind(depth_behind(plan));
-            (Module::GeometryVertex, Some(Module::Medium), surface(kind).and(absorbs).and(behind))
+            // What absorbs has no light of its own.
+            let own = match pipeline {
+                Pipeline::Absorb(_) => SurfaceKind { around: Around::Nothing, emissive: false, ..*kind },
+                _ => *kind,
+            };
+            (Module::GeometryVertex, Some(Module::Medium), surface(&own).and(absorbs).and(behind))
         }
         Pipeline::Surface(kind) | Pipeline::Absorb(kind) => {
             let fragment = if plan.lights_as_drawn(kind) {
