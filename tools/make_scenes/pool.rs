@@ -79,7 +79,8 @@ fn block(size_m: Vec3, at: Vec3, bevel_m: f32) -> Mesh {
 
 /// Paving around the basin, and a wall behind.
 fn garden(glb: &mut Glb, texture: Slot) {
-    let (half_width, half_length) = (WIDTH_M * 0.5, LENGTH_M * 0.5);
+    // A little behind the faces of the basin.
+    let (half_width, half_length) = (WIDTH_M * 0.5 + 0.03, LENGTH_M * 0.5 + 0.03);
     let slab = |x: [f32; 2], z: [f32; 2]| {
         let size = Vec3::new(x[1] - x[0], 0.2, z[1] - z[0]);
         block(size, Vec3::new((x[0] + x[1]) * 0.5, -0.1, (z[0] + z[1]) * 0.5), 0.02)
@@ -110,8 +111,9 @@ fn garden(glb: &mut Glb, texture: Slot) {
 /// Walls, a floor, and steps that lead down from the left.
 fn basin(glb: &mut Glb, texture: Slot) {
     let (half_width, half_length) = (WIDTH_M * 0.5, LENGTH_M * 0.5);
-    let middle = FLOOR_M * 0.5 - 0.05;
-    let height = -FLOOR_M + 0.1;
+    // Their tops are below the paving.
+    let middle = FLOOR_M * 0.5 - 0.065;
+    let height = -FLOOR_M + 0.07;
     let mut parts = vec![
         block(Vec3::new(WIDTH_M + 0.4, 0.2, LENGTH_M + 0.4), Vec3::new(0.0, FLOOR_M - 0.1, 0.0), 0.01),
         block(Vec3::new(WIDTH_M + 0.4, height, 0.2), Vec3::new(0.0, middle, -half_length - 0.1), 0.01),
