@@ -114,7 +114,8 @@ pub fn count(
     for pass in &mut untested.passes {
         pass.subpasses.iter_mut().for_each(|subpass| subpass.depth = None);
         // What is read of it is nothing that could be cleared.
-        let of_depth = pass.attachments.iter_mut().filter(|a| plan.attachments[a.attachment].format.is_depth());
+        let of_depth =
+            pass.attachments.iter_mut().filter(|a| plan.attachments[a.attachment].format.is_depth());
         of_depth.for_each(|attachment| attachment.load = Load::DontCare);
     }
     let (all_draws, _) = frame(scene, untested)?;
