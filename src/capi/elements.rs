@@ -93,6 +93,16 @@ pub struct OntileMaterial {
     pub double_sided: bool,
     /// Shown as its base colour.
     pub unlit: bool,
+    /// The share of light that goes through, 0 to 1; at 0 nothing below counts (KHR_materials_transmission, _ior, _volume).
+    pub transmission_factor: f32,
+    /// Index of refraction, at least 1.
+    pub ior: f32,
+    /// The longest way through, metres; 0 is a thin pane.
+    pub thickness: f32,
+    /// What is left of white light after attenuation_distance: linear Rec.709.
+    pub attenuation_color: [f32; 3],
+    /// Metres; 0 counts as infinite.
+    pub attenuation_distance: f32,
 }
 
 /// A picture, 8 bits a channel, rows from the top.
@@ -245,6 +255,38 @@ pub struct OntileDecal {
     pub falloff: [f32; 3],
     /// Those of lower priority are painted first.
     pub priority: f32,
+}
+
+/// A square that faces the camera and adds light.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct OntileParticle {
+    /// Its middle, world space, metres.
+    pub position: [f32; 3],
+    /// Its side, metres.
+    pub size: f32,
+    /// Counter-clockwise on the image, radians.
+    pub rotation: f32,
+    /// Multiplies the material's emission; linear Rec.709.
+    pub color: [f32; 3],
+}
+
+/// Particles of one material.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct OntileParticles {
+    /// For messages; may be null.
+    pub name: *const c_char,
+    /// Of a material, whose emission is what they add.
+    pub material: OntileId,
+    /// They fade where something opaque is no farther behind them, metres.
+    pub soft: f32,
+    /// How many there are.
+    pub count: usize,
+    /// May be null where there are none.
+    pub particles: *const OntileParticle,
+    /// How many there may be later without anything being made anew; what is less than count counts as count.
+    pub most: usize,
 }
 
 /// How view space becomes an image.

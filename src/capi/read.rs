@@ -6,7 +6,7 @@ use super::call::{Failure, Outcome, list, optional, text};
 use super::elements::*;
 use crate::scene::{
     AlphaMode, Camera, Checked, Decal, DecalChannels, Id, Image, Instance, Light, LightKind, Material, Mesh,
-    Projection, Sampler, Shadow, Texture, TextureRef, World, Wrap,
+    Particle, Particles, Projection, Sampler, Shadow, Texture, TextureRef, Transmission, World, Wrap,
 };
 
 fn unknown(what: &str, value: u32) -> Failure {
@@ -91,6 +91,11 @@ impl OntileMaterial {
         alpha_cutoff: 0.5,
         double_sided: false,
         unlit: false,
+        transmission_factor: 0.0,
+        ior: 1.5,
+        thickness: 0.0,
+        attenuation_color: [1.0; 3],
+        attenuation_distance: 0.0,
     };
 
     /// # Safety
@@ -120,6 +125,16 @@ impl OntileMaterial {
             },
             double_sided: self.double_sided,
             unlit: self.unlit,
+            transmission: (self.transmission_factor != 0.0).then(|| Transmission {
+                factor: self.transmission_factor,
+                ior: self.ior,
+                thickness_m: self.thickness,
+                attenuation_color: Vec3::from_array(self.attenuation_color),
+                attenuation_distance_m: match self.attenuation_distance {
+                    0.0 => f32::INFINITY,
+                    distance => distance,
+                },
+            }),
         })
     }
 }
@@ -247,6 +262,31 @@ impl OntileDecal {
             falloff_m: Vec3::from_array(self.falloff),
             priority: self.priority,
             ..Decal::new(material, Mat4::from_cols_array(&self.world_from_decal))
+        })
+    }
+}
+
+impl OntileParticles {
+    /// # Safety
+    /// It has as many particles as it says.
+    pub(super) unsafe fn read(&self, world: &World) -> Outcome<Particles> {
+        let of = |p: &OntileParticle| Particle {
+            position_world: Vec3::from_array(p.position),
+            size_m: p.size,
+            rotation_rad: p.rotation,
+            color: Vec3::from_array(p.color),
+        };
+        Ok(Particles {
+            // SAFETY: the caller's promise.
+            name: unsafe { text(self.name, "particles.name") }?.to_owned(),
+            material: index::<Material>(world, self.material, "particles.material")?,
+            soft_m: self.soft,
+            // SAFETY: the caller's promise.
+            list: unsafe { list(self.particles, self.count, "particles.particles") }?
+                .iter()
+                .map(of)
+                .collect(),
+            most: self.most.max(self.count),
         })
     }
 }

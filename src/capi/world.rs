@@ -8,8 +8,8 @@ use glam::Vec3;
 use super::call::{Failure, OntileResult, Outcome, call, copy_out, destroy, get, get_mut, give, put, text};
 use super::elements::*;
 use crate::scene::{
-    Background, Camera, Decal, Element, Environment, Fog, Id, Image, Instance, Light, Material, Mesh, Scene,
-    Texture, World,
+    Background, Camera, Decal, Element, Environment, Fog, Id, Image, Instance, Light, Material, Mesh,
+    Particles, Scene, Texture, World,
 };
 
 /// What is to be drawn, and what was done to it since renderers looked.
@@ -37,6 +37,8 @@ pub enum OntileKind {
     Decal = 6,
     /// A camera of a file: ontile_world_camera reads it.
     Camera = 7,
+    /// OntileParticles.
+    Particles = 8,
 }
 
 /// Adds an element if `id` holds 0, and writes its name there; else puts it in the place of the element that `id` names.
@@ -254,6 +256,20 @@ pub unsafe extern "C" fn ontile_world_set_decal(
     unsafe { set::<Decal>(world, id, |world| get(decal, "decal")?.read(world)) }
 }
 
+/// Adds particles, or puts them in others' place if `id` holds those others' name: each frame, as many as `most` allows.
+///
+/// # Safety
+/// All pointers are valid, and there are as many particles as is said.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ontile_world_set_particles(
+    world: *mut OntileWorld,
+    id: *mut OntileId,
+    particles: *const OntileParticles,
+) -> OntileResult {
+    // SAFETY: the caller's promise.
+    unsafe { set::<Particles>(world, id, |world| get(particles, "particles")?.read(world)) }
+}
+
 /// Takes an element out. What others refer to stays: the message names who does.
 ///
 /// # Safety
@@ -279,6 +295,7 @@ pub unsafe extern "C" fn ontile_world_remove(
             5 => remove::<Light>,
             6 => remove::<Decal>,
             7 => remove::<Camera>,
+            8 => remove::<Particles>,
             other => return Err(Failure::Argument(format!("kind is {other}, and there is none such"))),
         };
         Ok(remove(world, id)?)
@@ -312,6 +329,7 @@ pub unsafe extern "C" fn ontile_world_ids(
             5 => all::<Light>(world),
             6 => all::<Decal>(world),
             7 => all::<Camera>(world),
+            8 => all::<Particles>(world),
             other => return Err(Failure::Argument(format!("kind is {other}, and there is none such"))),
         };
         if ids.is_null() {

@@ -6,9 +6,12 @@ use super::decals::Decals;
 use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::objects::Objects;
+use super::particles::SceneParticles;
 use super::scene_data::{streams, texture_bytes};
 use super::shadow::caster_count;
-use super::shared::{DecalData, FrameUniforms, InstanceData, LightData, MaterialData, ShadowViewData};
+use super::shared::{
+    DecalData, FrameUniforms, InstanceData, LightData, MaterialData, MediumData, ParticleData, ShadowViewData,
+};
 use super::volume_casters::VolumeCasters;
 use super::{Geometry, RendererConfig};
 use crate::Result;
@@ -36,8 +39,11 @@ impl MemoryBudget {
         let decals = Decals::new(scene, plan);
         let map = plan.shadow_map.as_ref();
         let lights = Lights::new(&scene.lights, map, None, &plan.volume_lights);
+        let particles = SceneParticles::new(scene, plan);
+        let others: Vec<_> = decals.materials().chain(particles.materials()).collect();
         let of_objects = objects.batches().iter().map(|batch| batch.material);
-        let materials: BTreeSet<_> = of_objects.chain(decals.materials().map(|(_, m)| m)).collect();
+        let materials: BTreeSet<_> = of_objects.chain(others.iter().map(|(_, m)| *m)).collect();
+        let media = materials.iter().filter(|&&m| scene.materials[m].transmits().is_some()).count();
         let streams = streams(scene, plan, objects.batches());
         let globes = (plan.needs.globe_maps > 0).then(|| scene.globe_layers()).transpose()?;
         let volumes = match plan.volume_lights.is_empty() {
@@ -53,7 +59,8 @@ impl MemoryBudget {
             + instances
             + rects
             + lists
-            + of(decals.count(), size_of::<DecalData>());
+            + of(decals.count(), size_of::<DecalData>())
+            + of(particles.most(), size_of::<ParticleData>());
         let texels = |map: &crate::plan::ShadowMap| {
             map.size.iter().map(|&n| u64::from(n)).product::<u64>() * u64::from(map.format.bytes())
         };
@@ -64,8 +71,11 @@ impl MemoryBudget {
         });
         let renderer = [
             ("meshes", Geometry::bytes(&scene.meshes, &streams)?),
-            ("textures", texture_bytes(scene, plan, &objects, &decals)?),
-            ("materials", of(materials.len(), size_of::<MaterialData>())),
+            ("textures", texture_bytes(scene, plan, &objects, &others)?),
+            (
+                "materials",
+                of(materials.len(), size_of::<MaterialData>()) + of(media, size_of::<MediumData>()),
+            ),
             ("frame data", slots * frame),
             ("shadow maps", shadows),
             ("shadow volumes", volumes[0] + slots * volumes[1]),

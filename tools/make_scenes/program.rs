@@ -1,6 +1,6 @@
 //! The command line: which scenes are made, and whether they are written or compared.
 
-use super::{bench, canyon, chapel, courtyard, decals, glass, grid, interior, lamps, unlit};
+use super::{bench, canyon, chapel, courtyard, decals, glass, grid, interior, lamps, pool, unlit};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::fs;
 use std::io::ErrorKind;
@@ -73,6 +73,8 @@ pub enum Shipped {
     Interior,
     /// A still life of things that glow
     Lamps,
+    /// A pool of water beside a fire, with steam and sparks
+    Pool,
     /// A poster and solids that no light touches
     Unlit,
 }
@@ -88,6 +90,7 @@ impl Shipped {
             Self::Grid => "grid.glb",
             Self::Interior => "interior.glb",
             Self::Lamps => "lamps.glb",
+            Self::Pool => "pool.glb",
             Self::Unlit => "unlit.glb",
         }
     }
@@ -102,6 +105,7 @@ impl Shipped {
             Self::Grid => grid::glb(),
             Self::Interior => interior::glb(),
             Self::Lamps => lamps::glb(),
+            Self::Pool => pool::glb(),
             Self::Unlit => unlit::glb(),
         }
     }

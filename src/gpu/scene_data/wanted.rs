@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use super::super::decals::Decals;
 use super::super::objects::{Batch, Objects};
 use super::super::{ColorEncoding, Streams, TextureKey, Textures};
 use crate::Result;
@@ -49,15 +48,15 @@ pub(super) fn material_textures<'a>(
     })
 }
 
-/// Every texture that some pipeline samples, once.
+/// Every texture that some pipeline samples, once; `others` are pipelines and materials of what is no object.
 pub(super) fn texture_keys(
     scene: &Scene,
     plan: &Plan,
     batches: &[Batch],
-    decals: &Decals,
+    others: &[(usize, usize)],
 ) -> Vec<TextureKey> {
     let of_objects = batches.iter().map(|b| (b.pipeline, b.material));
-    let used: BTreeSet<(usize, usize)> = of_objects.chain(decals.materials()).collect();
+    let used: BTreeSet<(usize, usize)> = of_objects.chain(others.iter().copied()).collect();
     let mut seen = Vec::new();
     for (pipeline, material) in used {
         for key in material_textures(scene, &material_kind(plan, pipeline), material) {
@@ -71,17 +70,18 @@ pub(super) fn texture_keys(
 pub(super) fn material_kind(plan: &Plan, pipeline: usize) -> SurfaceKind {
     match &plan.pipelines[pipeline].1 {
         Pipeline::Decal(kind) => kind.surface(),
+        Pipeline::Particles(kind) => kind.surface(),
         _ => *surface(plan, pipeline),
     }
 }
 
-/// What the images of all textures hold that some pipeline samples.
+/// What the images of all textures hold that some pipeline samples; `others` as for [`texture_keys`].
 pub(in crate::gpu) fn texture_bytes(
     scene: &Scene,
     plan: &Plan,
     objects: &Objects,
-    decals: &Decals,
+    others: &[(usize, usize)],
 ) -> Result<u64> {
-    let keys = texture_keys(scene, plan, objects.batches(), decals);
+    let keys = texture_keys(scene, plan, objects.batches(), others);
     Textures::bytes(&scene.images, &scene.textures, &keys)
 }
