@@ -55,11 +55,13 @@ fn pictures_look_as_expected() {
         let mut expected = Expected::in_folder("golden");
         let mut all = scenes::shipped();
         all.extend([scenes::every_feature(), environments::environment(), environments::probes()]);
+        let all = all.into_iter().map(|scene| (scene, 1)).chain([(scenes::tram_stop(), 4)]);
         let mut names = Vec::new();
-        for scene in all {
-            let options = Options { size: SIZE, ..Options::default() };
+        for (scene, samples) in all {
+            let options = Options { size: SIZE, samples, ..Options::default() };
             let picture = gpu.picture(&scene, gpu.plan(&scene, options), 0.0);
-            let name = format!("{}.png", scene.name);
+            let samples = if samples == 1 { String::new() } else { format!("_{samples}_samples") };
+            let name = format!("{}{samples}.png", scene.name);
             expected.check(&name, &png(&picture), |file| match from_png(file) {
                 Ok(golden) => difference(&golden, &picture),
                 Err(error) => Some(error),

@@ -109,6 +109,8 @@ fn printed() -> Vec<(String, String)> {
         ("emissive_local_read".into(), local_read(&scenes::emissive(), LightWay::Auto)),
         ("emissive_local_read_stencil".into(), local_read(&scenes::emissive(), LightWay::Stencil)),
     ];
+    let samples = Options { samples: 4, ..default() };
+    plans.push(("shipped_stop_4_samples".into(), plan(&scenes::tram_stop(), samples)));
     for scene in scenes::shipped() {
         for &strategy in &Strategy::EVERYWHERE {
             let name = format!("shipped_{}_{strategy}", scene.name);

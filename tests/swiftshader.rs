@@ -36,12 +36,15 @@ const FOLDER: &str = "ONTILE_TEST_FOLDER";
 const DEVICE: &str = "ONTILE_TEST_DEVICE";
 
 /// Without shadows: along their edges two drivers' maps differ by a texel, which no edge of a surface explains.
-fn all_scenes() -> Vec<Scene> {
-    scenes::built().into_iter().chain(scenes::shipped()).map(Scene::without_shadows).collect()
+/// Each with a number of samples a pixel.
+fn all_scenes() -> Vec<(Scene, u32)> {
+    let once = scenes::built().into_iter().chain(scenes::shipped()).map(|scene| (scene, 1));
+    let all = once.chain([(scenes::tram_stop(), 4), (scenes::every_feature(), 4)]);
+    all.map(|(scene, samples)| (scene.without_shadows(), samples)).collect()
 }
 
-fn picture_of(scene: &Scene, folder: &Path) -> PathBuf {
-    folder.join(format!("{}.png", scene.name))
+fn picture_of(scene: &Scene, samples: u32, folder: &Path) -> PathBuf {
+    folder.join(format!("{}_{samples}.png", scene.name))
 }
 
 #[test]
@@ -51,9 +54,9 @@ fn draw_all_scenes() {
         panic!("{FOLDER} and {DEVICE} are not set");
     };
     on_device(Some(&device), |gpu| {
-        for scene in all_scenes() {
-            let plan = gpu.plan(&scene, Options { size: SIZE, ..Options::default() });
-            gpu.picture(&scene, plan, 0.0).write(&picture_of(&scene, Path::new(&folder))).unwrap();
+        for (scene, samples) in all_scenes() {
+            let plan = gpu.plan(&scene, Options { size: SIZE, samples, ..Options::default() });
+            gpu.picture(&scene, plan, 0.0).write(&picture_of(&scene, samples, Path::new(&folder))).unwrap();
         }
     });
 }
@@ -134,10 +137,10 @@ fn swiftshader_draws_what_lavapipe_draws() {
         }
     }
     let (mut failures, mut telling) = (Vec::new(), 0);
-    for scene in all_scenes() {
-        let [a, b] = [0, 1].map(|i| Picture::read(&picture_of(&scene, folders[i].path())).unwrap());
+    for (scene, samples) in all_scenes() {
+        let [a, b] = [0, 1].map(|i| Picture::read(&picture_of(&scene, samples, folders[i].path())).unwrap());
         let distance = Distance::between(&a, &b);
-        println!("{}: {distance}", scene.name);
+        println!("{}, {samples} samples: {distance}", scene.name);
         if !distance.is_small() {
             failures.push(format!("{}: {distance}", scene.name));
         }

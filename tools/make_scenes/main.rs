@@ -18,6 +18,7 @@ mod model;
 mod noise;
 mod program;
 mod shape;
+mod stop;
 mod texture;
 mod unlit;
 
