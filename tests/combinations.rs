@@ -89,10 +89,12 @@ fn shadowed() -> Scene {
 /// The second frame, to which bloom has come.
 fn picture(gpu: &Gpu<'_>, scene: &Scene, options: &Options) -> Picture {
     let mut offscreen = gpu.offscreen(scene, gpu.plan(scene, options.clone()), RendererConfig::default());
-    for _ in 0..if options.bloom == BloomWay::Off { 1 } else { 2 } {
+    let mut frame = || {
         offscreen.render(&View { camera: &scene.cameras[0], exposure_ev: 0.0 }).unwrap();
-    }
-    offscreen.picture()
+        offscreen.picture()
+    };
+    let first = frame();
+    if options.bloom == BloomWay::Off { first } else { frame() }
 }
 
 /// Scenes that need different stages.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::around::{Around, Method};
 use super::decals::Painter;
 use super::fog::fogged;
-use super::gbuffer::{Attributes, attributes, interpolate};
+use super::gbuffer::{Attributes, attributes, emitting, interpolate};
 use super::layers::{Blended, Layer, over};
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
 use super::shade::reflected_parts;
@@ -17,7 +17,7 @@ use super::tonemap::tonemap;
 use super::view::{Ray, View, Window};
 use super::visibility::{Hit, Visibility};
 use crate::environment::TexelFormat;
-use crate::plan::{Brdf, Format, GBuffer, LightPlace, Tonemap};
+use crate::plan::{Brdf, Format, GBuffer, Layout, LightPlace, Tonemap};
 use crate::scene::{Background, Camera, Scene};
 
 /// What is computed.
@@ -208,7 +208,8 @@ impl<'a> Tracer<'a> {
                     let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
                     let exact = attributes(blended.visibility(), around, &view, position_world, hit);
                     let own = Settings { gbuffer: None, ..settings.clone() };
-                    let shaded = finish(scene, (&view, [x, y]), &own, occlusion, exact, exact.prelit, &[]);
+                    let light = [exact.prelit, DVec3::ZERO];
+                    let shaded = finish(scene, (&view, [x, y]), &own, occlusion, exact, light, &[]);
                     Layer { light: shaded.linear, alpha: blended.alpha(hit) }
                 }));
             }
@@ -221,11 +222,23 @@ impl<'a> Tracer<'a> {
                 };
                 return Pixel {
                     edge,
-                    ..finish(scene, (&view, [x, y]), settings, None, Attributes::default(), sky, &layers)
+                    ..finish(
+                        scene,
+                        (&view, [x, y]),
+                        settings,
+                        None,
+                        Attributes::default(),
+                        [sky, DVec3::ZERO],
+                        &layers,
+                    )
                 };
             };
             let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
-            let exact = attributes(visibility, around, &view, position_world, hit);
+            let painted = decals.changes_light();
+            let (exact, arrives) = match painted {
+                true => emitting(visibility, &view, position_world, hit),
+                false => (attributes(visibility, around, &view, position_world, hit), 1.0),
+            };
             let light_factor = settings.exposure() * settings.light_scale;
             let stored = |surface: &Attributes| match &settings.gbuffer {
                 Some(gbuffer) => quantise(gbuffer, surface, &view, [x, y], light_factor),
@@ -236,7 +249,16 @@ impl<'a> Tracer<'a> {
             let prelit = if settings.stores_prelit() { surface.prelit } else { exact.prelit };
             let surface = Attributes { prelit, ..surface };
             let pixel = [x, y];
-            Pixel { edge, ..finish(scene, (&view, pixel), settings, occlusion, surface, prelit, &layers) }
+            let arrives = match &settings.gbuffer {
+                Some(gbuffer) if gbuffer.layout != Layout::Exact => (arrives * 255.0).round() / 255.0,
+                _ => arrives,
+            };
+            let late = match painted && surface.lit {
+                true => around.reflected(&surface, view.to_viewer(position_world), arrives),
+                false => DVec3::ZERO,
+            };
+            let light = [prelit, late];
+            Pixel { edge, ..finish(scene, (&view, pixel), settings, occlusion, surface, light, &layers) }
         });
         Frame { size: settings.size, pixels: pixels.collect() }
     }
@@ -264,12 +286,12 @@ pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffe
         let light = if settings.light_target { stored.light } else { DVec3::ZERO };
         let surface = decode(layout, &Stored { light, ..*stored }, &view, pixel, light_factor);
         let prelit = surface.prelit;
-        finish(scene, (&view, pixel), settings, occlusion.as_ref(), surface, prelit, &[])
+        finish(scene, (&view, pixel), settings, occlusion.as_ref(), surface, [prelit, DVec3::ZERO], &[])
     });
     Frame { size: settings.size, pixels: pixels.collect() }
 }
 
-/// Adds the lights' reflection to `prelit`, then fog, then what is blended over it, and applies the curve. The viewer is where the pixel's ray comes from, also
+/// Adds the lights' reflection to light that existed before, with what is `late` of it, then fog, then what is blended over it, and applies the curve. The viewer is where the pixel's ray comes from, also
 /// where a stored position is beside it.
 fn finish(
     scene: &Scene,
@@ -277,7 +299,7 @@ fn finish(
     settings: &Settings,
     occlusion: Option<&Occlusion>,
     attributes: Attributes,
-    prelit: DVec3,
+    [prelit, late]: [DVec3; 2],
     layers: &[Layer],
 ) -> Pixel {
     let shadowed = Cell::new(0_u64);
@@ -290,6 +312,8 @@ fn finish(
     };
     let to_viewer = -view.ray_through_pixel(pixel).direction.normalize();
     let [diffuse, specular] = reflected_parts(settings.brdf, &attributes, to_viewer, scene, hidden);
+    // Complete, as specular light is.
+    let specular = specular + late;
     let factor = settings.exposure() * settings.light_scale;
     let linear = match settings.added_light() {
         Some((format, true)) => {

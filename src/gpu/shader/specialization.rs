@@ -50,6 +50,17 @@ impl Specialization {
         Self::from_pairs(&[(const { shared("ID_BRDF") }, value)])
     }
 
+    /// Of lighting, which adds what surfaces receive from all around; the rest is as in [`GeometryConstants`].
+    pub fn around(around: Around, rgbm: bool, has_environment: bool) -> Self {
+        Self::from_pairs(&[
+            (const { shared("ID_AMBIENT") }, (around >= Around::Ambient).into()),
+            (const { shared("ID_ENVIRONMENT") }, (around >= Around::Environment).into()),
+            (const { shared("ID_PROBES") }, (around >= Around::Probes).into()),
+            (const { shared("ID_RGBM") }, rgbm.into()),
+            (const { shared("ID_HAS_ENVIRONMENT") }, has_environment.into()),
+        ])
+    }
+
     pub(super) fn from_pairs(pairs: &[(u32, u32)]) -> Self {
         Self {
             ids: pairs.iter().map(|(id, _)| *id).collect(),
@@ -260,6 +271,8 @@ pub struct GBufferConstants {
     pub light_read: bool,
     /// Lights are added to it one by one.
     pub light_added: bool,
+    /// Geometry leaves occlusion to lighting.
+    pub occlusion: bool,
 }
 
 impl GBufferConstants {
@@ -275,6 +288,7 @@ impl GBufferConstants {
             light_alpha: true,
             light_read: false,
             light_added: false,
+            occlusion: false,
         }
     }
 
@@ -316,6 +330,7 @@ impl GBufferConstants {
             (const { shared("ID_LIGHT_ALPHA") }, self.light_alpha.into()),
             (const { shared("ID_LIGHT_READ") }, self.light_read.into()),
             (const { shared("ID_LIGHT_ADDED") }, self.light_added.into()),
+            (const { shared("ID_OCCLUSION_TARGET") }, self.occlusion.into()),
         ])
     }
 }
