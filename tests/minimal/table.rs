@@ -427,6 +427,12 @@ const JOINT: &[Joint] = &[
     Joint { of: [&["fog"], &["a blended neighbour"]], objects: "pipeline fog, fog:, blended surface: FOG" },
     Joint { of: [&["background colour"], &["a blended neighbour"]], objects: "tonemap: TRANSLUCENCY" },
     // Beyond the boxes.
+    // Lighting adds light from all around on what decals have painted.
+    Joint {
+        of: [&["a colour decal", "a decal"], AROUND],
+        objects: "lighting: AMBIENT, lighting: ENVIRONMENT, lighting: PROBES, lighting: HAS_ENVIRONMENT, lighting: binding, \
+          attachment occlusion, lighting: OCCLUSION_TARGET, lighting: input occlusion, surface lit: OCCLUSION_TARGET",
+    },
     Joint { of: [&["an environment"], &["probes"]], objects: "surface lit: HAS_ENVIRONMENT" },
 ];
 
