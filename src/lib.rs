@@ -59,6 +59,8 @@
 
 #![deny(missing_docs)]
 
+#[cfg(feature = "capi")]
+pub mod capi;
 pub mod environment;
 mod error;
 pub mod file;

@@ -173,8 +173,7 @@ impl Renderer {
             &pipelines,
             resources.as_ref(),
             slot_count,
-            &mut upload,
-            kept_data,
+            (&mut upload, kept_data),
         )?;
         let shadows = map.zip(resources).map(|(map, resources)| {
             let most = config.shadow_tiles_per_frame;
@@ -266,6 +265,16 @@ impl Renderer {
     /// ([`Features::subpass_merge_feedback`](super::Features::subpass_merge_feedback)).
     pub fn merge_reports(&self) -> Vec<MergeReport> {
         self.passes.iter().filter_map(VulkanPass::merge_report).cloned().collect()
+    }
+
+    /// How many frames the host may have on the GPU at a time: slots are below.
+    pub fn frames_in_flight(&self) -> usize {
+        self.config.frames_in_flight.max(1)
+    }
+
+    /// Whether frames can be recorded to a target: it is of [`Self::create_target`], after the last update that asked for new ones.
+    pub fn created(&self, target: &Target) -> bool {
+        target.is_of(&self.passes)
     }
 
     /// What the last [`Self::record`] recorded.
@@ -376,7 +385,7 @@ impl Renderer {
         view: &View<'_>,
     ) {
         assert!(
-            target.is_of(&self.passes),
+            self.created(target),
             "the target was created by another renderer, or before an update that asked for new targets"
         );
         self.retired.recording(slot);

@@ -59,8 +59,7 @@ impl SceneData {
         pipelines: &Pipelines,
         shadows: Option<&ShadowResources>,
         slots: usize,
-        upload: &mut Upload,
-        kept: Option<(&Self, &Changes)>,
+        (upload, kept): (&mut Upload, Option<(&Self, &Changes)>),
     ) -> Result<Self> {
         let objects = Objects::new(scene, plan);
         let globes = (plan.needs.globe_maps > 0).then(|| scene.globe_layers()).transpose()?;

@@ -104,6 +104,11 @@ impl Target {
         self.attachments.get(index)?.as_ref()
     }
 
+    /// How many output images it has.
+    pub fn output_count(&self) -> usize {
+        self.outputs.len()
+    }
+
     /// Whether the renderer with these passes created it.
     pub(super) fn is_of(&self, passes: &Arc<[VulkanPass]>) -> bool {
         Arc::ptr_eq(&self.passes, passes)

@@ -1,5 +1,7 @@
 //! What the user may choose about a frame.
 
+mod set;
+
 use serde::Serialize;
 
 use super::{

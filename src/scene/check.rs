@@ -36,15 +36,26 @@ impl Scene {
             .or_else(|| first(has, &self.textures, Checked::problem))
             .or_else(|| first(has, &self.lights, |_| None))
             .or_else(|| first(has, &self.decals, Checked::problem))
-            .or_else(|| first(has, &self.cameras, Checked::problem))
-            .or_else(|| surroundings(self).map(|problem| ("scene".to_owned(), problem.to_owned())));
+            .or_else(|| first(has, &self.cameras, Checked::problem));
         match problem {
-            Some((element, problem)) => Err(Error::unsupported(
-                format!("scene '{}': {element}: {problem}", self.name),
-                "give finite numbers within the range that the element's description names, and indices below the lengths of lists",
-            )),
+            Some((element, problem)) => Err(self.refused(&element, &problem)),
+            None => self.check_surroundings(),
+        }
+    }
+
+    /// The part of [`Self::check`] that is about no list but the probes.
+    pub(super) fn check_surroundings(&self) -> Result<()> {
+        match surroundings(self) {
+            Some(problem) => Err(self.refused("scene", problem)),
             None => self.probes.iter().try_for_each(|probe| probe.check()),
         }
+    }
+
+    fn refused(&self, element: &str, problem: &str) -> Error {
+        Error::unsupported(
+            format!("scene '{}': {element}: {problem}", self.name),
+            "give finite numbers within the range that the element's description names, and indices below the lengths of lists",
+        )
     }
 }
 

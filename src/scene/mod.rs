@@ -20,6 +20,8 @@ mod surroundings;
 mod world;
 
 pub use camera::{Camera, Projection};
+#[cfg(feature = "capi")]
+pub(crate) use check::Checked;
 pub use decal::{Decal, DecalChannels};
 pub use environment::Environment;
 pub use globe_layers::GlobeLayers;

@@ -234,33 +234,53 @@ impl World {
     }
 
     /// Radiance that arrives from every direction alike: [`Scene::ambient_nt`].
-    pub fn set_ambient(&mut self, ambient_nt: Vec3) {
-        self.surround(|scene| scene.ambient_nt = ambient_nt);
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if a number means nothing. Nothing is changed then.
+    pub fn set_ambient(&mut self, ambient_nt: Vec3) -> Result<()> {
+        self.surround(|scene| &mut scene.ambient_nt, ambient_nt)
     }
 
     /// What is seen where there is no surface.
-    pub fn set_background(&mut self, background: Background) {
-        self.surround(|scene| scene.background = background);
+    ///
+    /// # Errors
+    /// As [`Self::set_ambient`].
+    pub fn set_background(&mut self, background: Background) -> Result<()> {
+        self.surround(|scene| &mut scene.background, background)
     }
 
     /// What is between the surfaces and the viewer.
-    pub fn set_fog(&mut self, fog: Option<Fog>) {
-        self.surround(|scene| scene.fog = fog);
+    ///
+    /// # Errors
+    /// As [`Self::set_ambient`].
+    pub fn set_fog(&mut self, fog: Option<Fog>) -> Result<()> {
+        self.surround(|scene| &mut scene.fog, fog)
     }
 
     /// Radiance from far away.
-    pub fn set_environment(&mut self, environment: Option<Environment>) {
-        self.surround(|scene| scene.environment = environment);
+    ///
+    /// # Errors
+    /// As [`Self::set_ambient`].
+    pub fn set_environment(&mut self, environment: Option<Environment>) -> Result<()> {
+        self.surround(|scene| &mut scene.environment, environment)
     }
 
     /// What glossy surfaces reflect inside boxes.
-    pub fn set_probes(&mut self, probes: Vec<Probe>) {
-        self.surround(|scene| scene.probes = probes);
+    ///
+    /// # Errors
+    /// As [`Self::set_ambient`].
+    pub fn set_probes(&mut self, probes: Vec<Probe>) -> Result<()> {
+        self.surround(|scene| &mut scene.probes, probes)
     }
 
-    fn surround(&mut self, change: impl FnOnce(&mut Scene)) {
-        change(&mut self.scene);
+    fn surround<T>(&mut self, place: impl Fn(&mut Scene) -> &mut T, value: T) -> Result<()> {
+        let old = std::mem::replace(place(&mut self.scene), value);
+        if let Err(error) = self.scene.check_surroundings() {
+            *place(&mut self.scene) = old;
+            return Err(error);
+        }
         self.changes.surroundings = true;
+        Ok(())
     }
 
     fn is_there<T: Element>(&self, id: Id<T>) -> bool {

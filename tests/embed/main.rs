@@ -8,7 +8,7 @@ mod moving;
 mod world;
 
 use engine::{Engine, EngineImage, FRAMES_IN_FLIGHT};
-use glam::{Mat4, Vec3, Vec4, vec3};
+use glam::{Mat4, Vec3, Vec4, vec2, vec3};
 use ontile::glam;
 use ontile::gpu::{
     Device, Headless, HeadlessOptions, Live, Offscreen, OutputImage, PipelineCache, Recorder, Renderer,
@@ -20,6 +20,21 @@ use ontile::scene::{Camera, Decal, Instance, Light, LightKind, Material, Mesh, P
 
 const SIZES: [[u32; 2]; 2] = [[160, 96], [72, 120]];
 
+/// Of four by four quads: the layers advise against draws of few triangles.
+fn square(z: f32, half: f32, material: usize) -> Mesh {
+    let corners = (0..25).map(|i| vec2((i % 5) as f32 - 2.0, (i / 5) as f32 - 2.0) * 0.5);
+    let quads = (0..4).flat_map(|y| (0..4).map(move |x| y * 5 + x));
+    Mesh {
+        positions: corners.clone().map(|corner| (corner * half).extend(z)).collect(),
+        normals: vec![Vec3::Z; 25],
+        texcoords: [corners.collect(), Vec::new()],
+        colors: vec![Vec4::ONE; 25],
+        indices: quads.flat_map(|i| [i, i + 1, i + 6, i, i + 6, i + 5]).collect(),
+        material,
+        ..Mesh::default()
+    }
+}
+
 /// A lit square and, so that light is summed in a target of its own, a glowing one.
 fn scene(color: Vec3) -> Scene {
     let material = |emissive_factor| Material {
@@ -28,16 +43,6 @@ fn scene(color: Vec3) -> Scene {
         roughness_factor: 0.5,
         emissive_factor,
         ..Material::default()
-    };
-    let square = |z: f32, half: f32, material| Mesh {
-        positions: [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-            .map(|(x, y)| vec3(x * half, y * half, z))
-            .to_vec(),
-        normals: vec![Vec3::Z; 4],
-        colors: vec![Vec4::ONE; 4],
-        indices: vec![0, 1, 2, 0, 2, 3],
-        material,
-        ..Mesh::default()
     };
     Scene {
         meshes: vec![square(0.0, 2.0, 0), square(0.5, 0.3, 1)],

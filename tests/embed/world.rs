@@ -34,20 +34,6 @@ fn checkers(colors: [[u8; 4]; 2]) -> Image {
     Image { name: "checkers".into(), width: 8, height: 8, rgba8: (0..64).flat_map(texel).collect() }
 }
 
-/// Of four by four quads: the layers advise against draws of few triangles.
-fn square(material: Id<Material>, half: f32) -> Mesh {
-    let corners = (0..25).map(|i| glam::vec2((i % 5) as f32 - 2.0, (i / 5) as f32 - 2.0) * 0.5);
-    let quads = (0..4).flat_map(|y| (0..4).map(move |x| y * 5 + x));
-    Mesh {
-        positions: corners.clone().map(|corner| (corner * half).extend(0.0)).collect(),
-        normals: vec![Vec3::Z; 25],
-        texcoords: [corners.collect(), Vec::new()],
-        indices: quads.flat_map(|i| [i, i + 1, i + 6, i, i + 6, i + 5]).collect(),
-        material: material.index(),
-        ..Mesh::default()
-    }
-}
-
 fn at(x: f32, y: f32, z: f32) -> Mat4 {
     Mat4::from_translation(vec3(x, y, z))
 }
@@ -70,7 +56,7 @@ const STEPS: [Step; 17] = [
         });
         let material = Material { base_color_texture, metallic_factor: 0.0, ..Material::default() };
         let material = world.add(material).unwrap();
-        let mesh = world.add(square(material, 0.5)).unwrap();
+        let mesh = world.add(square(0.0, 0.5, material.index())).unwrap();
         let instance = world.add(Instance::new(mesh.index(), at(-0.6, 0.3, 0.4))).unwrap();
         named.textured = Some((mesh, material, instance));
     }),
@@ -99,7 +85,7 @@ const STEPS: [Step; 17] = [
     }),
     ("a mesh is another", Makes::Objects, |world, named| {
         let (id, material, _) = named.textured.unwrap();
-        world.set(id, square(material, 0.35)).unwrap();
+        world.set(id, square(0.0, 0.35, material.index())).unwrap();
     }),
     ("a picture is another", Makes::Objects, |world, _| {
         let id = world.ids::<Image>().next().unwrap();
@@ -117,11 +103,11 @@ const STEPS: [Step; 17] = [
     ("and is back, with ambient light", Makes::Targets, |world, _| {
         let id = world.ids::<Instance>().nth(1).unwrap();
         world.set(id, Instance { hidden: false, ..*world.get(id).unwrap() }).unwrap();
-        world.set_ambient(vec3(0.1, 0.05, 0.2));
+        world.set_ambient(vec3(0.1, 0.05, 0.2)).unwrap();
     }),
     ("fog and a background", Makes::Targets, |world, _| {
-        world.set_fog(Some(Fog { color_nt: vec3(0.2, 0.2, 0.3), density_per_m: 0.1, height: None }));
-        world.set_background(Background::Color(vec3(0.1, 0.2, 0.1)));
+        world.set_fog(Some(Fog { color_nt: vec3(0.2, 0.2, 0.3), density_per_m: 0.1, height: None })).unwrap();
+        world.set_background(Background::Color(vec3(0.1, 0.2, 0.1))).unwrap();
     }),
     ("the sun casts shadows", Makes::Pipelines, |world, _| {
         let id = world.ids::<Light>().last().unwrap();
@@ -135,7 +121,7 @@ const STEPS: [Step; 17] = [
             ..Material::default()
         };
         let glass = world.add(glass).unwrap();
-        let pane = world.add(square(glass, 0.8)).unwrap();
+        let pane = world.add(square(0.0, 0.8, glass.index())).unwrap();
         world.add(Instance::new(pane.index(), at(0.2, 0.1, 1.2))).unwrap();
     }),
     ("nothing again", Makes::Nothing, |_, _| ()),
@@ -192,6 +178,49 @@ fn elements_come_and_go_between_frames() {
     }
 }
 
+/// Two cameras in one frame, each with a slot and a target of its own; the shadow map follows both.
+#[test]
+fn several_views_of_a_world_go_into_one_frame() {
+    let Some(mut engine) = engine() else { return };
+    let (device, _) = engine.lend(false);
+    let mut first = scene(vec3(0.3, 0.7, 0.4));
+    let sun = Light::new(LightKind::Directional { illuminance_lx: 2.0 }).towards(vec3(0.4, -0.3, -1.0));
+    first.lights.push(Light { shadow: Some(Shadow::default()), ..sun });
+    let aside = Camera { world_from_view: at(0.8, 0.5, 2.0), ..first.cameras[0].clone() };
+    first.cameras.push(aside);
+    let mut renderer = renderer(&device, &first, &Options::default());
+    upload(&engine, &device, &mut renderer);
+    let views: Vec<_> = SIZES
+        .iter()
+        .map(|&size| {
+            let images = images(&mut engine, &renderer, size, 1);
+            (renderer.create_target(size, &outputs(&images)).unwrap(), images[0])
+        })
+        .collect();
+    let bytes = SIZES.map(|[w, h]| u64::from(w * h * 4));
+    for _ in 0..2 {
+        engine.submit(0, |buffer| {
+            for (slot, (target, image)) in views.iter().enumerate() {
+                let view = View { camera: &first.cameras[slot], exposure_ev: 0.0 };
+                renderer.record(&recorder(&device, buffer), slot, target, 0, &view);
+                let at = if slot == 0 { 0 } else { bytes[0] };
+                engine.copy(buffer, *image, renderer.output_layout(), at);
+            }
+        });
+        engine.wait();
+        for (slot, size) in SIZES.iter().enumerate() {
+            let alone = Scene { cameras: vec![first.cameras[slot].clone()], ..first.clone() };
+            let wanted = expected(&Options::default(), &[(&alone, *size, 0.0)]).remove(0);
+            let actual = engine.read(if slot == 0 { 0 } else { bytes[0] }, wanted.len());
+            assert_equal(&actual, &wanted, &format!("view {slot}"));
+        }
+    }
+    drop((views, renderer));
+    assert_eq!(device.live(), Live::default(), "objects are left");
+    drop(device);
+    assert_eq!(engine.finish(false), Vec::<String>::new());
+}
+
 #[test]
 fn hundreds_of_comings_and_goings_grow_nothing() {
     const ROUNDS: usize = 300;
@@ -209,7 +238,7 @@ fn hundreds_of_comings_and_goings_grow_nothing() {
     let mut here = std::collections::VecDeque::new();
     let (mut most, mut later) = (Live::default(), Live::default());
     for round in 0..ROUNDS {
-        let mesh = world.add(square(material, 0.1 + round as f32 * 1e-3)).unwrap();
+        let mesh = world.add(square(0.0, 0.1 + round as f32 * 1e-3, material.index())).unwrap();
         let instance = world.add(Instance::new(mesh.index(), at(0.0, 0.0, 0.5))).unwrap();
         here.push_back((mesh, instance));
         if here.len() > 5 {
@@ -251,9 +280,9 @@ fn what_does_not_go_is_refused_and_changes_nothing() {
     assert!(missing.contains("uses meshes[7], which is not there"), "{missing}");
     let nan = message(world.place(instance, at(f32::NAN, 0.0, 0.0)).unwrap_err());
     assert!(nan.contains("not affine and finite"), "{nan}");
-    let indices = Mesh { indices: vec![0, 1, 9], ..world.get(mesh).unwrap().clone() };
+    let indices = Mesh { indices: vec![0, 1, 99], ..world.get(mesh).unwrap().clone() };
     let beyond = message(world.set(mesh, indices).unwrap_err());
-    assert!(beyond.contains("an index 9"), "{beyond}");
+    assert!(beyond.contains("an index 99"), "{beyond}");
     let dark = Light { range_m: Some(-1.0), ..Light::new(LightKind::Point { intensity_cd: 1.0 }) };
     assert!(message(world.add(dark).map(drop).unwrap_err()).contains("negative"));
     assert!(world.changes().is_empty(), "{:?}", world.changes());

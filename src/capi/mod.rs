@@ -1,0 +1,22 @@
+//! The C interface, `src/capi/ontile.h`: what [`crate::gpu`] and [`crate::scene::World`] offer an engine, as C functions.
+//!
+//! Objects are opaque and owned by whoever made them; descriptions are structs of plain numbers; every function returns a result
+//! code, with the message in [`ontile_last_error`]. No panic crosses the border. The header is made of these files (a test compares
+//! them), so their comments are what C programmers read.
+//!
+#![doc = include_str!("embedding.md")]
+
+mod call;
+mod elements;
+mod frame;
+mod host;
+mod options;
+mod read;
+mod world;
+
+pub use call::*;
+pub use elements::*;
+pub use frame::*;
+pub use host::*;
+pub use options::*;
+pub use world::*;
