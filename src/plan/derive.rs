@@ -382,18 +382,6 @@ impl Dependencies {
 
     fn finish(self) -> Vec<Dependency> {
         let mut all: Vec<_> = self.0.into_values().collect();
-        // Of the subpasses that one waits for, each lets in what any does: they are ordered among themselves, so that nothing waits
-        // longer, and validation layers of 1.4 look at the first alone.
-        let is_inner = |d: &Dependency| d.to.is_some() && d.from.is_some() && d.from != d.to;
-        for index in 0..all.len() {
-            let to = all[index].to;
-            let after: Scope = (all.iter().filter(|d| is_inner(d) && d.to == to))
-                .flat_map(|d| d.after.iter().copied())
-                .collect();
-            if is_inner(&all[index]) {
-                all[index].after.extend(after);
-            }
-        }
         for d in &mut all {
             d.why.sort();
             d.why.dedup();
