@@ -33,6 +33,9 @@ layout(push_constant, std430) uniform VolumePush {
 // Surfaces are at the same places to the bit (geometry.vert).
 out gl_PerVertex {
     invariant vec4 gl_Position;
+    // What is before the near plane is in front of every surface. Nothing is clipped at the far plane, and so nothing at the near one
+    // either (depthClampEnable), unless it is done here: depths of huge triangles that go past the camera would be none.
+    float gl_ClipDistance[1];
 };
 
 const uint NO_TRIANGLE = 0xffffffffu;
@@ -65,10 +68,25 @@ vec4 clip_place(uint place, bool at_infinity) {
     return frame.clip_from_world * vec4(position, 1.0);
 }
 
+// How far a triangle's end lies behind the triangle itself, which is not in its own shadow: nowhere, since both have the same depth
+// to the bit, unless the near plane or the far one cuts surfaces. Cut triangles are others, and a rasteriser rounds their depths
+// otherwise: by units in the last place of their nearest corner's, times how far beyond the screen they go.
+float behind(uvec3 places) {
+    float nearest = 0.0;
+    bool is_cut = false;
+    for (uint i = 0u; i < 3u; i++) {
+        vec4 clip = clip_place(places[i], false);
+        is_cut = is_cut || clip.z < 0.0 || clip.z > clip.w;
+        nearest = max(nearest, clip.w > clip.z ? clip.z / clip.w : 1.0);
+    }
+    return is_cut ? nearest / 262144.0 + 1.0 / 8388608.0 : 0.0;
+}
+
 void main() {
     uint vertex = uint(gl_VertexIndex);
     bool turned = push.turned != 0u;
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
+    gl_ClipDistance[0] = 1.0;
     if (vertex < push.edge_vertices) {
         uvec4 edge = casters[push.first_edge + vertex / 6u];
         bool first = faces_light(edge.z);
@@ -79,6 +97,7 @@ void main() {
             uint end = ends[vertex % 6u];
             bool is_to = ((end & 1u) != 0u) != (first == turned);
             gl_Position = clip_place(is_to ? edge.y : edge.x, end >= 2u);
+            gl_ClipDistance[0] = gl_Position.w - gl_Position.z;
         }
         return;
     }
@@ -91,5 +110,9 @@ void main() {
         uint at = corner % 3u;
         at = is_far != turned && at != 0u ? 3u - at : at;
         gl_Position = clip_place(places[at], is_far);
+        gl_ClipDistance[0] = gl_Position.w - gl_Position.z;
+        if (!is_far) {
+            gl_Position.z -= behind(places.xyz) * gl_Position.w;
+        }
     }
 }

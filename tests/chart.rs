@@ -10,6 +10,7 @@ use std::process::Command;
 
 use ontile::gpu::{Headless, HeadlessOptions};
 use ontile::measure::chart::{Outcome, Report};
+use ontile::measure::ways;
 use ontile::plan::{Choice, Layout};
 
 fn asset(name: &str) -> PathBuf {
@@ -140,4 +141,40 @@ fn what_cannot_be_charted_is_named_and_nothing_is_written() {
         assert!(err.contains(message), "{arguments:?}: '{message}' is missing in: {err}");
         assert!(!out.exists(), "{arguments:?}");
     }
+}
+
+#[test]
+fn ways_are_charted_beside_gbuffers() {
+    if !has_device() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (lamps, decals) = (asset("lamps.glb"), asset("decals.glb"));
+    let flags = ["--ways", "--sizes", "48x27", "--frames", "1", "--device", common::render::LAVAPIPE];
+    let mut arguments = vec![lamps.as_path(), decals.as_path(), Path::new("-o"), folder.path()];
+    arguments.extend(flags.iter().map(Path::new));
+    let (status, out, err) = ontile(&arguments);
+    assert_eq!(status, Some(0), "{out}\n{err}");
+    let report: ways::Report =
+        serde_json::from_slice(&fs::read(folder.path().join("ways.json")).unwrap()).unwrap();
+    let figures = |scene: &str, way: &str| {
+        let found = |p: &&ways::Point| p.scene == scene && p.way == way;
+        report.points.iter().find(found).unwrap_or_else(|| panic!("{scene}, {way}")).outcome.as_ref()
+    };
+    let lamps = |way| figures("lamps", way).unwrap();
+    let [one, all, compare] = ["1 sample", "4 samples, all", "4 samples, compare"].map(lamps);
+    assert!(all.error < one.error && compare.error == all.error, "{one:?}, {all:?}, {compare:?}");
+    assert!(compare.lit_by_sample.is_some_and(|share| share > 0.01 && share < 0.9), "{compare:?}");
+    assert!(one.lit_by_sample.is_none() && one.on_tile * 4 == all.on_tile);
+    let (map, volumes) = (lamps("hardware, 1024 texels"), lamps("volumes"));
+    assert!(volumes.error < map.error && volumes.shadow_bytes == 0 && map.shadow_bytes > 0);
+    let painted = figures("decals", "barrier, packed128").unwrap();
+    assert!(painted.error < 0.02, "{painted:?}");
+    let refused = figures("decals", "fixed, packed128").unwrap_err();
+    assert!(refused.contains("--decals"), "{refused}");
+    let page = fs::read_to_string(folder.path().join("README.md")).unwrap();
+    for picture in page.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+        assert!(folder.path().join(picture).is_file(), "no {picture}");
+    }
+    assert!(refused.lines().all(|line| page.contains(line)), "the page does not say why");
 }

@@ -5,8 +5,10 @@ mod common;
 use common::expected::Expected;
 use common::render::{LAVAPIPE, on_device};
 use common::{environments, scenes};
+use ontile::gpu::{RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::Options;
+use ontile::plan::{BloomWay, Options};
+use ontile::scene::Scene;
 use std::io::Cursor;
 
 const SIZE: [u32; 2] = [160, 90];
@@ -55,13 +57,25 @@ fn pictures_look_as_expected() {
         let mut expected = Expected::in_folder("golden");
         let mut all = scenes::shipped();
         all.extend([scenes::every_feature(), environments::environment(), environments::probes()]);
-        let all = all.into_iter().map(|scene| (scene, 1)).chain([(scenes::tram_stop(), 4)]);
         let mut names = Vec::new();
-        for (scene, samples) in all {
-            let options = Options { size: SIZE, samples, ..Options::default() };
-            let picture = gpu.picture(&scene, gpu.plan(&scene, options), 0.0);
-            let samples = if samples == 1 { String::new() } else { format!("_{samples}_samples") };
-            let name = format!("{}{samples}.png", scene.name);
+        let plain = |scene: Scene| (scene.name.clone(), scene, Options { size: SIZE, ..Options::default() });
+        let samples = Options { samples: 4, size: SIZE, ..Options::default() };
+        let bloom =
+            Options { bloom: BloomWay::Previous, bloom_strength: 0.2, size: SIZE, ..Options::default() };
+        let lamps = all.iter().find(|scene| scene.name == "lamps").expect("it is shipped").clone();
+        let mut all: Vec<_> = all.into_iter().map(plain).collect();
+        all.push(("every_feature_4_samples".into(), scenes::every_feature(), samples.clone()));
+        all.push(("stop_4_samples".into(), scenes::tram_stop(), samples));
+        all.push(("lamps_bloom".into(), lamps, bloom));
+        for (name, scene, options) in all {
+            let mut offscreen = gpu.offscreen(&scene, gpu.plan(&scene, options), RendererConfig::default());
+            let view = View { camera: &scene.cameras[0], exposure_ev: 0.0 };
+            // Bloom is of the frame before.
+            let frames = if name.ends_with("bloom") { 2 } else { 1 };
+            (0..frames)
+                .for_each(|_| offscreen.render(&view).unwrap_or_else(|error| panic!("{name}: {error}")));
+            let picture = offscreen.picture();
+            let name = format!("{name}.png");
             expected.check(&name, &png(&picture), |file| match from_png(file) {
                 Ok(golden) => difference(&golden, &picture),
                 Err(error) => Some(error),

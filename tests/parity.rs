@@ -95,7 +95,7 @@ fn arrangements_do_not_change_the_pixels_of_any_gbuffer() {
             let mut refused = Vec::new();
             for choice in Choice::one_by_one(Choice::of(Layout::Ontile128)) {
                 let options = choice.apply(&Options { size: SIZE, ..Options::default() });
-                let limits = gpu.device().caps().limits();
+                let limits = gpu.device().limits();
                 if Plan::new(Needs::of(&scene), options.clone(), &limits).is_ok() {
                     check_variants(gpu, &scene, &options);
                 } else {
@@ -116,7 +116,7 @@ fn arrangements_do_not_change_the_pixels_of_any_translucency() {
         let layouts = [Layout::Packed128, Layout::Metallic256, Layout::Rasa128];
         for (translucency, layout) in every(Translucency::ALL, &layouts) {
             let options = Options { size: SIZE, layout, translucency, ..Options::default() };
-            let ordered = gpu.device().caps().limits().ordered_attachment_access;
+            let ordered = gpu.device().limits().ordered_attachment_access;
             if translucency == Translucency::Oit && !ordered {
                 common::ignored("no rasterization-order attachment access");
                 continue;

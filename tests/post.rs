@@ -136,7 +136,7 @@ fn scattered_light_is_a_frame_late_and_follows_the_exposure() {
 #[test]
 fn arrangements_do_not_change_what_is_scattered() {
     on_device(None, |gpu| {
-        let limits = gpu.device().caps().limits();
+        let limits = gpu.device().limits();
         let mut checked = 0;
         let check = |scene: &Scene, options: Options| {
             let turns = [0.0; 3];
@@ -293,7 +293,7 @@ fn edges_are_smoothed_as_the_reference_says() {
 #[test]
 fn arrangements_do_not_change_smoothed_edges() {
     on_device(None, |gpu| {
-        let limits = gpu.device().caps().limits();
+        let limits = gpu.device().limits();
         let scene = scenes::every_feature();
         let options = |layout| Options { size: SIZE, layout, edge_filter: true, ..Options::default() };
         let mut checked = 0;

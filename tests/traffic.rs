@@ -64,7 +64,7 @@ fn overdraw_and_order_are_counted() {
                 assert_eq!(per_pixel.map(|n| n / PIXELS), [1.5, passed, 1.0, shadowed], "{path} {near:?}");
                 assert_eq!(counts.lights, 1);
 
-                let limits = gpu.device().caps().limits();
+                let limits = gpu.device().limits();
                 let traffic = FrameTraffic::new(&scene, &options, &limits, &counts).unwrap();
                 let [model] = &traffic.modelled[..] else { panic!("{:?}", traffic.modelled) };
                 assert_eq!((model.model.overdraw, model.model.sorting), (1.5, passed));
@@ -93,8 +93,7 @@ fn shipped_frames_add_up() {
         for scene in scenes::shipped() {
             let options = Options { size: [160, 90], ..Options::default() };
             let counts = counted(gpu, &scene, &options);
-            let traffic =
-                FrameTraffic::new(&scene, &options, &gpu.device().caps().limits(), &counts).unwrap();
+            let traffic = FrameTraffic::new(&scene, &options, &gpu.device().limits(), &counts).unwrap();
             let ledger = |strategy| {
                 let totals = gpu.plan(&scene, Options { strategy, ..options.clone() }).report(&scene).totals;
                 let [read, written] =

@@ -142,7 +142,7 @@ fn ways_are_alike_in_one_pass_and_in_several() {
 
 /// Layouts that hold light in words, which the shader adds to; none where the device lacks what that needs.
 fn word_layouts(gpu: &Gpu<'_>) -> Vec<Layout> {
-    if !gpu.device().caps().limits().ordered_attachment_access {
+    if !gpu.device().limits().ordered_attachment_access {
         println!("ignored in part: no rasterization-order attachment access");
         return Vec::new();
     }

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use ontile::gpu::{Headless, HeadlessOptions};
-use ontile::measure::Effort;
 use ontile::measure::chart::{self, DriverFigures, Report, Sweep};
 use ontile::measure::turnip::Turnip;
-use ontile::plan::{Adreno, Bins, Choice, Options, Strategy, Tonemap};
+use ontile::measure::{Clock, Effort, ways};
+use ontile::plan::{Adreno, Bins, Choice, Needs, Options, Strategy, Tonemap};
 use ontile::scene::Scene;
 use ontile::{Error, Result};
 use sha2::{Digest, Sha256};
@@ -68,6 +68,9 @@ pub struct ChartArgs {
     /// Measure the I-th of N parts of the cells only; --merge puts them together
     #[arg(long, value_name = "I/N", value_parser = shard, default_value = "1/1", allow_hyphen_values = true)]
     shard: [usize; 2],
+    /// Chart ways instead of G-buffers: samples a pixel (error against 64), decals, and shadows by maps and volumes
+    #[arg(long, conflicts_with_all = ["full", "shard", "merge"])]
+    ways: bool,
     /// Measure nothing: put the results of these folders together
     #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["scenes", "full", "device", "shard"])]
     merge: Vec<PathBuf>,
@@ -84,9 +87,47 @@ fn shard(text: &str) -> Result<[usize; 2], String> {
 
 /// Measures or merges, and writes everything.
 pub fn run(args: &ChartArgs) -> Result<()> {
+    if args.ways {
+        return ways(args);
+    }
     let report = if args.merge.is_empty() { measured(args)? } else { merged(args)? };
     chart::write_all(&report, &args.output)?;
     print::text(&format_args!("{}{}", chart::summary(&report), args.output.join("README.md").display()))
+}
+
+fn ways(args: &ChartArgs) -> Result<()> {
+    let scenes = args.scenes.iter().map(|path| load(path, &args.camera)).collect::<Result<Vec<_>>>()?;
+    let host = host(args)?;
+    make_folder(&args.output)?;
+    let device = host.device();
+    let caps = device.caps();
+    let (name, driver, clock) = (caps.name.clone(), caps.driver.clone(), Clock::of(device));
+    let mut report = ways::Report { device: name, driver, clock, points: Vec::new() };
+    let effort = Effort { rounds: args.frames as usize, seconds: args.seconds.into() };
+    let of_scene =
+        |scene: &Scene| ways::series(&Needs::of(scene), &Options::default()).len() * args.sizes.len();
+    let steps = scenes.iter().map(|(scene, _)| of_scene(scene)).sum::<usize>();
+    let progress = Progress::of_steps("charting", steps as u64);
+    for (scene, camera) in &scenes {
+        for size in args.sizes.iter().map(|size| size.0) {
+            let camera = &scene.cameras[*camera];
+            let stage = ways::Stage { device, scene, camera, exposure_ev: args.exposure, effort };
+            let options =
+                Options { size, strategy: args.strategy, tonemap: args.tonemap, ..Options::default() };
+            report.points.extend(stage.run(&options, &|| progress.step())?);
+        }
+    }
+    drop(progress);
+    ways::write(&report, &args.output)?;
+    print::text(&args.output.join("README.md").display())
+}
+
+fn host(args: &ChartArgs) -> Result<Headless> {
+    Headless::new(&HeadlessOptions {
+        device_name_part: args.device.clone(),
+        validate: false,
+        application_name: "ontile".into(),
+    })
 }
 
 fn make_folder(path: &Path) -> Result<()> {
@@ -109,11 +150,7 @@ fn measured(args: &ChartArgs) -> Result<Report> {
         true => Report::read(&args.output)?,
         false => Report::new(Vec::new()),
     };
-    let host = Headless::new(&HeadlessOptions {
-        device_name_part: args.device.clone(),
-        validate: false,
-        application_name: "ontile".into(),
-    })?;
+    let host = host(args)?;
     make_folder(&args.output)?;
     let options = Options { strategy: args.strategy, tonemap: args.tonemap, ..Options::default() };
     let sweep = Sweep {

@@ -6,8 +6,9 @@ use clap::Args;
 use ontile::gpu::{
     Device, Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
+use ontile::measure::lit_by_sample;
 use ontile::picture::Picture;
-use ontile::plan::{Needs, Options, Plan, Report};
+use ontile::plan::{Figure, Needs, Options, Plan, Report};
 use ontile::scene::{Camera, Scene};
 use ontile::{Error, Result, file};
 use serde::Serialize;
@@ -167,5 +168,11 @@ fn draw(
         offscreen.render(&View { camera, exposure_ev: args.plan.exposure })?;
         progress.iter().for_each(Progress::step);
     }
-    Ok((offscreen.picture(), offscreen.report(scene), expected))
+    let mut report = offscreen.report(scene);
+    if let Some(figures) = report.device.as_mut().filter(|_| args.run.report.is_some()) {
+        let view = View { camera, exposure_ev: args.plan.exposure };
+        let share = lit_by_sample(device, scene, offscreen.renderer().plan(), &view, &cache)?;
+        figures.lit_by_sample = share.map(Figure::driver);
+    }
+    Ok((offscreen.picture(), report, expected))
 }

@@ -62,7 +62,7 @@ pub struct Caps {
     pub integer_sample_counts: Vec<u32>,
     /// The `sampleRateShading` feature.
     pub sample_rate_shading: bool,
-    /// `depthClamp`.
+    /// `depthClamp` and `shaderClipDistance`.
     #[serde(default)]
     pub depth_clamp: bool,
     /// Nanoseconds per timestamp step.
@@ -260,7 +260,7 @@ impl Caps {
             sample_counts: counts(sample_counts),
             integer_sample_counts: counts(sample_counts & integer_sample_counts),
             sample_rate_shading: features.sample_rate_shading == vk::TRUE,
-            depth_clamp: features.depth_clamp == vk::TRUE,
+            depth_clamp: features.depth_clamp == vk::TRUE && features.shader_clip_distance == vk::TRUE,
             timestamp_period_ns: limits.timestamp_period,
             timestamp_valid_bits: families.get(queue_family as usize).map_or(0, |f| f.timestamp_valid_bits),
             d32_s8: {

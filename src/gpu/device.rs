@@ -59,7 +59,7 @@ pub struct Features {
     pub subpass_merge_feedback: bool,
     /// `sampleRateShading`: G-buffers of several samples a pixel want it.
     pub sample_rate_shading: bool,
-    /// `depthClamp`: shadow volumes want it.
+    /// `depthClamp` and `shaderClipDistance`: shadow volumes want both.
     pub depth_clamp: bool,
 }
 
@@ -171,10 +171,12 @@ impl Device {
 
     /// What plans for this device may ask of it: what it can do, less what was not enabled.
     pub fn limits(&self) -> Limits {
-        let Features { ordered_attachment_access, sample_rate_shading, local_read, .. } = self.features();
+        let Features { ordered_attachment_access, sample_rate_shading, local_read, depth_clamp, .. } =
+            self.features();
         let mut limits = self.caps().limits();
         limits.ordered_attachment_access &= ordered_attachment_access;
         limits.sample_shading &= sample_rate_shading;
+        limits.depth_clamp &= depth_clamp;
         if !local_read && limits.merging.local_read.is_ok() {
             let reason = "the device was made without dynamicRenderingLocalRead";
             limits.merging = Merging { local_read: Err(reason), ..Merging::default() };

@@ -235,7 +235,8 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
         .occlusion_query_precise(caps.occlusion_precise)
         .independent_blend(caps.local_read)
         .sample_rate_shading(caps.sample_rate_shading)
-        .depth_clamp(caps.depth_clamp);
+        .depth_clamp(caps.depth_clamp)
+        .shader_clip_distance(caps.depth_clamp);
     // SAFETY: the device was enumerated from this instance.
     let offered = unsafe { instance.raw.enumerate_device_extension_properties(physical_device) };
     let offered = offered.called("vkEnumerateDeviceExtensionProperties")?;

@@ -207,6 +207,7 @@ impl Offscreen {
             statistics: statistics.map(|(name, n)| (name.to_owned(), Figure::driver(n as f64))).collect(),
             frame: self.renderer.recorded().counts,
             shadows: plan.shadow_map.is_some().then(|| self.renderer.recorded().shadows.figures()),
+            lit_by_sample: None,
             frames: self.measured.len(),
             allocated_bytes: self.renderer.scene_bytes(),
             validation_messages: None,

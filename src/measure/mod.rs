@@ -10,6 +10,8 @@ mod ciede;
 mod color;
 #[cfg(feature = "cli")]
 mod compare;
+#[cfg(feature = "cli")]
+mod edges;
 mod false_color;
 mod flip;
 #[cfg(feature = "cli")]
@@ -28,12 +30,16 @@ mod stored;
 pub mod tiler;
 #[cfg(feature = "cli")]
 pub mod turnip;
+#[cfg(feature = "cli")]
+pub mod ways;
 
 pub use choose::{Chosen, ErrorMetric, Goal, candidates_for, choose};
 pub use ciede::ciede2000;
 pub use color::lab_from_linear;
 #[cfg(feature = "cli")]
 pub use compare::{ChannelError, Comparison, RELATIVE_FLOOR, Unit, compare};
+#[cfg(feature = "cli")]
+pub use edges::lit_by_sample;
 pub use false_color::{NON_FINITE_RGB, false_color, magma};
 pub use flip::{PIXELS_PER_DEGREE, flip};
 #[cfg(feature = "cli")]

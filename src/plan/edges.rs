@@ -4,6 +4,11 @@ use super::layout::LightPlace;
 use super::{Edges, GBuffer, LightWay, Needs, Options, Path};
 
 /// What [`Options::edges`] comes to, never [`Edges::Auto`], and why, where that is not what was asked for.
+///
+/// `auto` compares: the picture is that of all samples to the bit, which `coverage` does not promise where surfaces touch, and a
+/// pixel takes a byte a sample less. Neither is faster everywhere: on an H200 `compare` takes 1.03, 0.95 and 1.07 of `coverage`'s time
+/// (lamps, courtyard, interior), on llvmpipe 0.9 to 1.0. There both lose to `all`, whose loops are as wide as its vectors; on a GPU `all` takes 1.3
+/// to 1.8 times as long.
 pub(super) fn resolve(
     needs: &Needs,
     options: &Options,

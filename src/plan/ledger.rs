@@ -181,6 +181,9 @@ pub struct DeviceFigures {
     pub frame: super::FrameCounts,
     /// What the last frame drew into the shadow map; `null` where there is none.
     pub shadows: Option<super::ShadowFigures>,
+    /// The share of pixels that are lit sample by sample ([`super::Edges`]), counted by the GPU in another frame; `null` where all are
+    /// or none, or where nobody counted.
+    pub lit_by_sample: Option<Figure>,
     /// Frames rendered.
     pub frames: usize,
     /// Bytes of device memory that the renderer allocated, transient attachments excluded.

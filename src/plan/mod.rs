@@ -103,7 +103,7 @@ pub struct Limits {
     /// (VK_EXT_rasterization_order_attachment_access). Mesa's Turnip keeps such passes on the tile; on Adreno 6xx it draws that
     /// subpass in its single-primitive mode, which waits where primitives overlap.
     pub ordered_attachment_access: bool,
-    /// Whether fragments beyond the far plane are kept (`depthClamp`): shadow volumes end nowhere.
+    /// Whether fragments beyond the far plane are kept, and shaders clip (`depthClamp`, `shaderClipDistance`): shadow volumes end nowhere.
     pub depth_clamp: bool,
     /// What the driver makes of each [`Strategy`].
     pub merging: Merging,

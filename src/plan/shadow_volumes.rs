@@ -2,7 +2,7 @@
 //!
 //! Thibieroz 2004, "Shadows": with a G-buffer, only the volumes and one full-screen draw a light are needed. They are counted where a
 //! surface is in front of them (Carmack; Bilodeau and Songy), so that the camera may be within. The stencil's highest bit is left to
-//! others; more than 127 volumes around one point wrap round.
+//! others; 128 volumes around one point wrap round to none (`ontile stability --sweep shadow-volumes`).
 
 use super::{LightWay, Limits, Needs, Options, Path};
 use crate::{Error, Result};
@@ -74,6 +74,6 @@ fn obstacle(options: &Options, path: Path, limits: &Limits) -> Option<(String, &
         let what = format!("shadow volumes add their lights by themselves, and '{asked}' would do it again");
         return Some((what, "use --lights auto, clusters or fullscreen"));
     }
-    let what = "the device has no depthClamp, without which the far plane cuts shadow volumes off";
+    let what = "the device has no depthClamp or no shaderClipDistance, without which shadow volumes are cut off at the far plane";
     (!limits.depth_clamp).then(|| (what.into(), "use another device"))
 }

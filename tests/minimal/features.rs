@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::common::render::on_device;
 use super::common::scenes::{one_lit_triangle, one_unlit_triangle};
 use ontile::gpu::{ExplainedKind, Explanation};
-use ontile::plan::{Limits, Needs, Options, Path, Plan};
+use ontile::plan::{Edges, Limits, Needs, Options, Path, Plan};
 use ontile::scene::Scene;
 use table::{Feature, LIT, OF_BOTH, OF_LIT, OF_UNLIT, UNLIT, is_joint};
 
@@ -29,6 +29,7 @@ pub fn objects(scene: &Scene, options: &Options) -> Objects {
             "surface lit",
             "shadow caster",
             "shadow volume",
+            "edges",
             "shadow clear",
             "shadow compose",
             "lighting",
@@ -200,3 +201,28 @@ fn one_unlit_triangle_is_one_subpass_with_one_attachment() {
         assert_eq!((plan.attachments.len(), plan.stage_count(), plan.pipelines.len()), (1, 1, 1), "{path}");
     }
 }
+
+/// Four samples: what marks edges and lights them, and nothing where all are lit.
+#[test]
+fn samples_cost_what_their_edges_take() {
+    let bare = objects(&lit(), &Options::default());
+    let mut wrong = Vec::new();
+    for (edges, more) in
+        [(Edges::All, &[][..]), (Edges::Compare, &[MARKED]), (Edges::Coverage, &[MARKED, COVERED])]
+    {
+        let costly = objects(&lit(), &Options { samples: 4, edges, ..Options::default() });
+        let mut expected = bare.clone();
+        expected.extend(more.iter().chain(&[SAMPLED]).flat_map(|more| listed(more)));
+        let problem = difference(&costly, &expected);
+        if !problem.is_empty() {
+            wrong.push(format!("{edges}: {problem}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+const SAMPLED: &str = "attachment output_samples, lighting: PER_SAMPLE";
+const MARKED: &str = "attachment depth_stencil_test, pipeline edges, edges: SAMPLE_COUNT, edges: input base_metallic, \
+                      edges: input depth, edges: input normal_roughness";
+const COVERED: &str = "attachment edge, surface lit: EDGE_TARGET, surface lit: SAMPLE_COUNT, edges: EDGE_TARGET, \
+                       edges: input edge, lighting: input edge";

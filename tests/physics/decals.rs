@@ -156,48 +156,70 @@ fn painted_surfaces_reflect_light_from_all_around() {
 /// step.
 const EITHER_NEIGHBOUR_TWICE: f64 = 4.0;
 
-/// Half floats may be cut off instead of rounded: in steps, of four writes of base colour and of metallicness.
-const CUT_HALVES: f64 = 8.0 * STEP_OF_HALF;
+/// Half floats may be cut off instead of rounded: a step for each write, of which later paint leaves what it does not cover; of a normal
+/// in each of three channels. By kind as [`lost`] has them, for the decals of [`scene`].
+const CUT_HALVES: [f64; 4] = [0.0, 2.6 * STEP_OF_HALF, 3.1 * STEP_OF_HALF, 1.7 * STEP_OF_HALF];
 
-/// The reference paints what the layout has stored, and stores that again, as the GPU does.
+/// Of the decal with falloffs: opacity times the steepest slope of a smoothstep over 0.3 m, a metre.
+const STEEPEST_PER_M: f64 = 0.8 * 0.9 * (200.0 / 255.0) * 1.5 / 0.3;
+
+/// With decals that cover everything within 1.2 rad: how much is painted depends on no rounded place, and on normals at one angle
+/// only, which few pixels have.
+fn endless(scene: Scene) -> Scene {
+    let mut scene = Scene { name: "endless decals".into(), ..scene };
+    for decal in &mut scene.decals {
+        decal.falloff_m = Vec3::ZERO;
+        decal.angle_rad = [1.2; 2];
+        decal.world_from_decal *= Mat4::from_scale(Vec3::splat(30.0));
+    }
+    scene
+}
+
+/// The reference paints what the layout has stored, and stores that again, as the GPU does. Where decals have no end, what a layout may
+/// differ by is what its formats round; where they fade, rounded places and normals also decide how much is painted.
 #[test]
 fn every_layout_is_painted_as_the_reference_does() {
     let Some(gpu) = Gpu::open() else { return };
-    let (scene, mut failed) = (scene(), Vec::new());
-    let camera = &scene.cameras[0];
-    let exact = render(&scene, camera, &gpu.render(&scene, camera, Ask::EXACT).settings);
-    for (name, ask) in layouts().into_iter().chain(choices()) {
-        let gbuffer = GBuffer::new(&ask.options()).expect("it makes sense");
-        let Some((rendered, stored)) = gpu.try_with_gbuffer(&scene, camera, ask) else { continue };
-        let settings = Settings { gbuffer: Some(gbuffer.clone()), ..rendered.settings.clone() };
-        let (expected, view) = (render(&scene, camera, &settings), View::new(camera, SIZE));
-        let (mut found, mut formats) = (Vec::new(), [0.0_f64; 5]);
-        let pixels = expected.pixels.iter().zip(&exact.pixels).zip(&stored).enumerate();
-        for (index, ((pixel, exact), stored)) in pixels {
-            if !exact.covered || exact.edge || !exact.attributes.lit {
-                continue;
+    let mut failed = Vec::new();
+    for (scene, fades) in [(scene(), true), (endless(scene()), false)] {
+        let camera = &scene.cameras[0];
+        let exact = render(&scene, camera, &gpu.render(&scene, camera, Ask::EXACT).settings);
+        for (name, ask) in layouts().into_iter().chain(choices()) {
+            let gbuffer = GBuffer::new(&ask.options()).expect("it makes sense");
+            let Some((rendered, stored)) = gpu.try_with_gbuffer(&scene, camera, ask) else { continue };
+            let settings = Settings { gbuffer: Some(gbuffer.clone()), ..rendered.settings.clone() };
+            let (expected, view) = (render(&scene, camera, &settings), View::new(camera, SIZE));
+            let (mut found, mut formats, mut farthest_m) = (Vec::new(), [0.0_f64; 5], 0.0_f64);
+            let pixels = expected.pixels.iter().zip(&exact.pixels).zip(&stored).enumerate();
+            for (index, ((pixel, exact), stored)) in pixels {
+                if !exact.covered || exact.edge || !exact.attributes.lit {
+                    continue;
+                }
+                let place = [index as u32 % SIZE[0], index as u32 / SIZE[0]];
+                let factor = settings.light_scale;
+                let kept = quantise(&gbuffer, &exact.attributes, &view, place, factor);
+                let lost_by_formats = lost(&kept, &exact.attributes, &view);
+                formats = std::array::from_fn(|k| formats[k].max(lost_by_formats[k]));
+                farthest_m = farthest_m.max((exact.attributes.position_world - view.position_world).length());
+                let painted = decode(&gbuffer, stored, &view, place, factor);
+                found.push(lost(&painted, &pixel.attributes, &view));
             }
-            let place = [index as u32 % SIZE[0], index as u32 / SIZE[0]];
-            let factor = settings.light_scale;
-            let kept = quantise(&gbuffer, &exact.attributes, &view, place, factor);
-            let lost_by_formats = lost(&kept, &exact.attributes, &view);
-            formats = std::array::from_fn(|k| formats[k].max(lost_by_formats[k]));
-            let painted = decode(&gbuffer, stored, &view, place, factor);
-            found.push(lost(&painted, &pixel.attributes, &view));
-        }
-        let found = typical(found);
-        println!("{name}: {found:?}, formats {formats:?}");
-        for (k, what) in ["position", "normal", "colour", "roughness"].into_iter().enumerate() {
-            let cut = if gbuffer.surface.iter().any(|t| t.format == Format::Rgba16Float) {
-                CUT_HALVES
-            } else {
-                0.0
-            };
-            // How much is painted goes by the stored normal, about as steeply as by its angle.
-            let by_angle = if k > 0 { formats[1] + cut } else { 0.0 };
-            let most = EITHER_NEIGHBOUR_TWICE * formats[k] + INTERPOLATED[k] + cut + by_angle;
-            if found[k].is_nan() || found[k] > most {
-                failed.push(format!("{name}: {what} off by {:.2e}, at most {most:.2e}", found[k]));
+            let found = typical(found);
+            println!("{}, {name}: {found:?}, formats {formats:?}", scene.name);
+            let has_halves = gbuffer.surface.iter().any(|t| t.format == Format::Rgba16Float);
+            for (k, what) in ["position", "normal", "colour", "roughness"].into_iter().enumerate() {
+                let cut = |k: usize| if has_halves { CUT_HALVES[k] } else { 0.0 };
+                // How much is painted goes by the stored normal, about as steeply as by its angle, and by the stored place, of which
+                // cut halves may be a whole step from rounded ones: twice what rounding loses.
+                let by_end = match fades && k > 0 {
+                    true => formats[1] + cut(1) + 2.0 * formats[0] * farthest_m * STEEPEST_PER_M,
+                    false => 0.0,
+                };
+                let most = EITHER_NEIGHBOUR_TWICE * formats[k] + INTERPOLATED[k] + cut(k) + by_end;
+                if found[k].is_nan() || found[k] > most {
+                    let name = format!("{}, {name}", scene.name);
+                    failed.push(format!("{name}: {what} off by {:.2e}, at most {most:.2e}", found[k]));
+                }
             }
         }
     }

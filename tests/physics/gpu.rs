@@ -119,7 +119,7 @@ impl Gpu {
         ask: Ask,
     ) -> Option<(Rendered, Vec<Stored>)> {
         let options = Options { keep_gbuffer: true, ..ask.options() };
-        let limits = self.host.device().caps().limits();
+        let limits = self.host.device().limits();
         Plan::new(Needs::of(scene), options.clone(), &limits).ok()?;
         let (offscreen, settings) = self.frame(scene, camera, ask, options.clone());
         let dark = settings.light_target.then(|| {
@@ -134,8 +134,7 @@ impl Gpu {
 
     fn frame(&self, scene: &Scene, camera: &Camera, ask: Ask, options: Options) -> (Offscreen, Settings) {
         let device = self.host.device();
-        let plan =
-            Plan::new(Needs::of(scene), options, &device.caps().limits()).expect("the scene can be planned");
+        let plan = Plan::new(Needs::of(scene), options, &device.limits()).expect("the scene can be planned");
         let light_target = plan.has_light_target();
         let settings = Settings {
             size: SIZE,

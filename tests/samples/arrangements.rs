@@ -9,7 +9,7 @@ const SIZE: [u32; 2] = [96, 54];
 
 /// Renders a plan, and the same in other arrangements, and compares; `false` if the layout does not allow the options.
 fn check(gpu: &Gpu<'_>, scene: &Scene, options: &Options, others: &[Change]) -> bool {
-    let limits = gpu.device().caps().limits();
+    let limits = gpu.device().limits();
     if let Err(error) = Plan::new(Needs::of(scene), options.clone(), &limits) {
         assert!(error.to_string().contains(options.layout.name()), "{}, {options:?}: {error}", scene.name);
         return false;

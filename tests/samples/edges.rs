@@ -49,7 +49,7 @@ fn pixels_that_are_lit_once_are_as_if_each_sample_had_been() {
         for (index, &layout) in Layout::ALL.iter().enumerate() {
             let lights = LightWay::ALL[index % 4];
             let all = Options { layout, lights, edges: Edges::All, ..base() };
-            if Plan::new(Needs::of(&scene), all.clone(), &gpu.device().caps().limits()).is_err() {
+            if Plan::new(Needs::of(&scene), all.clone(), &gpu.device().limits()).is_err() {
                 continue;
             }
             let compare = Options { edges: Edges::Compare, ..all.clone() };

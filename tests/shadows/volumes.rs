@@ -109,7 +109,7 @@ fn volumes_hold_where_counting_is_hard() {
 #[test]
 fn arrangements_do_not_change_volumes() {
     on_device(None, |gpu| {
-        let limits = gpu.device().caps().limits();
+        let limits = gpu.device().limits();
         let check = |scene: &Scene, options: Options| {
             let expected = gpu.picture(scene, gpu.plan(scene, options.clone()), 0.0);
             for variant in [

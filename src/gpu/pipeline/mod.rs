@@ -56,8 +56,8 @@ impl Pipelines {
     ) -> Result<Self> {
         if !plan.volume_lights.is_empty() && !device.features().depth_clamp {
             return Err(Error::unsupported(
-                "the plan has shadow volumes, and the device was made without depthClamp",
-                "enable it and say so in `Features`, or leave `Options::shadow_volumes` out",
+                "the plan has shadow volumes, and the device was made without depthClamp and shaderClipDistance",
+                "enable both and say so in `Features`, or leave `Options::shadow_volumes` out",
             ));
         }
         let families: Vec<_> =

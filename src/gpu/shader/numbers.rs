@@ -3,7 +3,7 @@
 /// The number that `glsl/shared.h` defines for `name`; call it in a `const`, so that a missing name does not compile.
 ///
 /// # Panics
-/// If the header has no line `#define name NUMBER`.
+/// If the header has no line `#define name NUMBER`, with a whole number in decimal digits.
 pub const fn shared(name: &str) -> u32 {
     match find(name) {
         Some(number) => number,
@@ -26,6 +26,10 @@ pub(super) const fn find(name: &str) -> Option<u32> {
                 number = number * 10 + (text[at] - b'0') as u32;
                 at += 1;
             }
+            assert!(
+                at == text.len() || text[at].is_ascii_whitespace(),
+                "shared.h: not a whole decimal number"
+            );
             return Some(number);
         }
         while line < text.len() && text[line] != b'\n' {

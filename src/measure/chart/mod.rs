@@ -24,13 +24,15 @@ use sha2::{Digest, Sha256};
 
 pub use data::{Bytes, Cell, DriverFigures, Errors, Measured, Outcome, Place, Report, Tiled, Truth};
 pub use metric::{Cost, Metric, pareto};
+pub(super) use scatter::{Field, Point, Scatter};
+pub(super) use truth::{Stage, is_textured};
 
 use super::{Clock, Effort, Probe, Racer, Summary, candidates_for, race};
 use crate::gpu::{Device, PipelineCache};
 use crate::plan::{Adreno, Choice, Layout, Limits, Needs, Occupancy, Options, Plan, Strategy};
 use crate::scene::Scene;
 use crate::{Error, Result};
-use truth::{Stage, Truths};
+use truth::Truths;
 
 /// What takes part in every race.
 pub const BASE: Choice = Choice::of(Layout::Metallic128);

@@ -13,7 +13,7 @@ use crate::scene::{Camera, Scene};
 use crate::{Error, Result};
 
 /// What is drawn, and by whom.
-pub(super) struct Stage<'a> {
+pub(in crate::measure) struct Stage<'a> {
     pub device: &'a Device,
     pub cache: &'a PipelineCache,
     /// Without shadows: where their edges lie is a matter of shadow maps, not of the G-buffer.
@@ -62,7 +62,7 @@ impl Stage<'_> {
     }
 
     /// What the `exact` G-buffer holds.
-    fn surfaces(&self) -> Result<(Vec<Stored>, Settings)> {
+    pub(in crate::measure) fn surfaces(&self) -> Result<(Vec<Stored>, Settings)> {
         let exact = Choice::of(Layout::Exact);
         let options = Options { keep_gbuffer: true, ..self.in_floats(exact) };
         let offscreen = self.frame(self.scene, options.clone())?;
@@ -148,7 +148,7 @@ impl Truths {
 }
 
 /// Whether a texture changes what the scene looks like.
-fn is_textured(scene: &Scene) -> bool {
+pub(in crate::measure) fn is_textured(scene: &Scene) -> bool {
     Needs::of(scene).kinds.iter().any(|need| need.kind.textures != 0)
 }
 

@@ -107,7 +107,7 @@ pub struct Truth {
 
 impl Truth {
     /// How far a pixel's display light may be off by that.
-    fn slack(&self, pixel: usize) -> DVec3 {
+    pub(super) fn slack(&self, pixel: usize) -> DVec3 {
         let here = self.frame.pixels[pixel].display;
         let off = |frame: &Frame| (frame.pixels[pixel].display - here).abs();
         self.moved.iter().map(off).fold(DVec3::ZERO, DVec3::max)

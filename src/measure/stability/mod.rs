@@ -14,15 +14,19 @@ mod decals;
 mod depth;
 mod geometry;
 mod inputs;
+mod lattice;
 mod light_target;
 mod lights;
+mod masks;
 mod normals;
 mod parts;
 mod report;
 mod samples;
 mod shading;
+mod shadow_volumes;
 mod shadows;
 mod sums;
+mod translucency;
 
 use serde::Serialize;
 
@@ -73,14 +77,18 @@ impl Sweep {
         inputs::INPUTS,
         geometry::GEOMETRY,
         geometry::TARGETS,
+        lattice::LATTICE,
         lights::VOLUMES,
         lights::STEADY,
         shadows::ACNE,
         shadows::PANNING,
         shadows::SHIMMER,
+        shadow_volumes::SHADOW_VOLUMES,
         decals::DECALS,
         samples::EDGES,
         samples::RESOLVE,
+        masks::MASKS,
+        translucency::TRANSLUCENCY,
     ];
 
     /// The sweep of this name.

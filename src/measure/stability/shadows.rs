@@ -149,7 +149,7 @@ fn acne(lab: &Lab<'_>) -> Result<Findings> {
 }
 
 /// A picture with some pixels in red.
-fn marked(size: [u32; 2], light: &[DVec3], marks: &[bool]) -> Picture {
+pub(super) fn marked(size: [u32; 2], light: &[DVec3], marks: &[bool]) -> Picture {
     let times = (640 / size[0].max(1)).clamp(1, 8);
     let [width, height] = size.map(|side| side * times);
     let pixel = |i: u32| {
