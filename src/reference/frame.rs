@@ -214,6 +214,7 @@ impl<'a> Tracer<'a> {
                 }));
             }
             let Some(hit) = centers.at(x, y) else {
+                let none = Attributes::default();
                 let sky = match scene.background {
                     Background::Environment => {
                         around.sky(view.ray_through_pixel([x, y]).direction.normalize())
@@ -222,20 +223,11 @@ impl<'a> Tracer<'a> {
                 };
                 return Pixel {
                     edge,
-                    ..finish(
-                        scene,
-                        (&view, [x, y]),
-                        settings,
-                        None,
-                        Attributes::default(),
-                        [sky, DVec3::ZERO],
-                        &layers,
-                    )
+                    ..finish(scene, (&view, [x, y]), settings, None, none, [sky, DVec3::ZERO], &layers)
                 };
             };
             let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
-            let painted = decals.changes_light();
-            let (exact, arrives) = match painted {
+            let (exact, arrives) = match decals.changes_light() {
                 true => emitting(visibility, &view, position_world, hit),
                 false => (attributes(visibility, around, &view, position_world, hit), 1.0),
             };
@@ -248,17 +240,11 @@ impl<'a> Tracer<'a> {
             let edge = edge || decals.is_at_edge(position_world);
             let prelit = if settings.stores_prelit() { surface.prelit } else { exact.prelit };
             let surface = Attributes { prelit, ..surface };
-            let pixel = [x, y];
-            let arrives = match &settings.gbuffer {
-                Some(gbuffer) if gbuffer.layout != Layout::Exact => (arrives * 255.0).round() / 255.0,
-                _ => arrives,
-            };
-            let late = match painted && surface.lit {
-                true => around.reflected(&surface, view.to_viewer(position_world), arrives),
-                false => DVec3::ZERO,
-            };
-            let light = [prelit, late];
-            Pixel { edge, ..finish(scene, (&view, pixel), settings, occlusion, surface, light, &layers) }
+            let is_rounded = settings.gbuffer.as_ref().is_some_and(|gbuffer| gbuffer.layout != Layout::Exact);
+            let arrives = if is_rounded { (arrives * 255.0).round() / 255.0 } else { arrives };
+            let late = || around.reflected(&surface, view.to_viewer(position_world), arrives);
+            let light = [prelit, if decals.changes_light() && surface.lit { late() } else { DVec3::ZERO }];
+            Pixel { edge, ..finish(scene, (&view, [x, y]), settings, occlusion, surface, light, &layers) }
         });
         Frame { size: settings.size, pixels: pixels.collect() }
     }

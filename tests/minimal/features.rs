@@ -16,7 +16,7 @@ mod table;
 type Objects = BTreeSet<String>;
 
 /// With what shadow volumes take.
-fn limits() -> Limits {
+pub fn limits() -> Limits {
     Limits { depth_clamp: true, max_color_attachments: 8, ..Limits::default() }
 }
 

@@ -50,17 +50,6 @@ impl Specialization {
         Self::from_pairs(&[(const { shared("ID_BRDF") }, value)])
     }
 
-    /// Of lighting, which adds what surfaces receive from all around; the rest is as in [`GeometryConstants`].
-    pub fn around(around: Around, rgbm: bool, has_environment: bool) -> Self {
-        Self::from_pairs(&[
-            (const { shared("ID_AMBIENT") }, (around >= Around::Ambient).into()),
-            (const { shared("ID_ENVIRONMENT") }, (around >= Around::Environment).into()),
-            (const { shared("ID_PROBES") }, (around >= Around::Probes).into()),
-            (const { shared("ID_RGBM") }, rgbm.into()),
-            (const { shared("ID_HAS_ENVIRONMENT") }, has_environment.into()),
-        ])
-    }
-
     pub(super) fn from_pairs(pairs: &[(u32, u32)]) -> Self {
         Self {
             ids: pairs.iter().map(|(id, _)| *id).collect(),
