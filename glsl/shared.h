@@ -27,10 +27,12 @@
 #define BINDING_DECALS 20
 #define BINDING_CASTERS 21
 #define BINDING_CASTER_INSTANCES 22
+#define BINDING_PARTICLES 23
 // Beside input attachments: scattered light that the tone curve mixes in.
 #define BINDING_BLOOM 24
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
+#define BINDING_MEDIUM 2
 
 // Input attachments, by the name of what they hold. A pipeline has those that its subpass reads: when it is made, their indices
 // and bindings in SET_INPUTS become their places in the subpass.
@@ -75,6 +77,7 @@
 #define VARYING_LIGHT 4
 #define VARYING_LIGHTMAP 5
 #define VARYING_DECAL 8
+#define VARYING_PARTICLE 9
 
 // Colour outputs, likewise: locations become places in the subpass.
 #define TARGET_DEPTH 0
@@ -178,6 +181,8 @@
 #define ID_LAYER_COUNT 93
 #define ID_LAYER_PAIRS 94
 #define ID_BEHIND_OPAQUE 95
+#define ID_HAS_BEHIND 96
+#define ID_ABSORBS 97
 #define ID_DECAL_BASE_COLOR 100
 #define ID_DECAL_NORMAL 101
 #define ID_DECAL_ROUGHNESS 102

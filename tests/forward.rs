@@ -124,8 +124,8 @@ fn arrangements_of_forward_do_not_change_the_pixels() {
                 same(name, change(options(path)));
             }
             match path {
-                // What is blended is so over the layout's light target.
-                Path::Forward if Needs::of(scene).blended.is_some() => {}
+                // What lies over light does so over the layout's light target.
+                Path::Forward if Needs::of(scene).over_light().is_some() => {}
                 Path::Forward => same("layout", Options { layout: Layout::Metallic128, ..options(path) }),
                 _ => same("no illumination sets", Options { illumination_sets: false, ..options(path) }),
             }
@@ -202,7 +202,7 @@ fn what_rounding_does_not_explain_is_seen() {
 
 #[test]
 fn forward_holds_the_output_and_nothing_else() {
-    for scene in built().into_iter().filter(|s| Needs::of(s).blended.is_none()) {
+    for scene in built().into_iter().filter(|s| Needs::of(s).over_light().is_none()) {
         let plan = Plan::new(Needs::of(&scene), options(Path::Forward), &Limits::default()).unwrap();
         let colors: Vec<_> = plan.attachments.iter().filter(|a| !a.format.is_depth()).collect();
         assert_eq!(colors.len(), 1, "{}", scene.name);
@@ -215,7 +215,9 @@ fn forward_holds_the_output_and_nothing_else() {
 fn multipass_adds_lights_on_the_tile() {
     let is_lit = |s: &Scene| Needs::of(s).listed_lights() > 0 && Needs::of(s).lit_opaque.is_some();
     for scene in built().into_iter().filter(is_lit) {
-        let stages = if Needs::of(&scene).blended.is_some() { 4 } else { 3 };
+        let Needs { blended, transmits, particles, .. } = Needs::of(&scene);
+        let over = [blended.is_some(), transmits.is_some(), !particles.is_empty()];
+        let stages = 3 + over.into_iter().filter(|is_there| *is_there).count();
         let plan = Plan::new(Needs::of(&scene), options(Path::ForwardMultipass), &Limits::default()).unwrap();
         assert_eq!((plan.passes.len(), plan.stage_count()), (1, stages), "{}", scene.name);
         assert!(plan.attachments.iter().all(|a| a.is_output || a.transient));

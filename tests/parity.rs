@@ -175,11 +175,17 @@ fn culling_does_not_change_the_pixels() {
         let (mut objects, mut lights) = ([0, 0], [0, 0]);
         for scene in scenes::shipped().into_iter().chain(scenes::built()) {
             let plan = gpu.plan(&scene, Options { size: SIZE, layout: Layout::Exact, ..Options::default() });
-            let of_screen = |p: &Pipeline| !p.is_of_surfaces() && !matches!(p, Pipeline::Decal(_));
+            let boxes_or_squares = |p: &Pipeline| matches!(p, Pipeline::Decal(_) | Pipeline::Particles(_));
+            let of_screen = |p: &Pipeline| !p.is_of_surfaces() && !boxes_or_squares(p);
             let screens = plan.pipelines.iter().filter(|(_, p)| of_screen(p)).count();
             // Two triangles for each side of a box.
             let decals: usize = plan.needs.decals.iter().map(|need| need.decals).sum();
-            let screens = (screens + 12 * decals) as u64;
+            let particles: usize = plan.needs.particles.iter().map(|need| need.particles).sum();
+            // What light goes through is drawn twice.
+            let meshes = scene.instances.iter().map(|instance| &scene.meshes[instance.mesh]);
+            let media = meshes.filter(|mesh| scene.materials[mesh.material].transmits().is_some());
+            let twice: usize = media.map(|mesh| mesh.indices.len() / 3).sum();
+            let screens = (screens + 12 * decals + 2 * particles + twice) as u64;
             let make = |cull| {
                 gpu.offscreen(&scene, plan.clone(), RendererConfig { cull, ..RendererConfig::default() })
             };

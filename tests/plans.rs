@@ -110,6 +110,10 @@ fn printed() -> Vec<(String, String)> {
             ordered(&decals, Options { layout: Layout::Packed128, ..default() }),
         ),
         ("decals_blended".into(), plan(&scenes::decal_scenes::color_decals(), default())),
+        ("water".into(), plan(&scenes::media_scenes::water(), default())),
+        ("water_and_more".into(), plan(&scenes::media_scenes::water_and_more(), default())),
+        ("sparks".into(), plan(&scenes::particle_scenes::sparks(), default())),
+        ("sparks_alone_separate".into(), plan(&scenes::particle_scenes::sparks_alone(), separate())),
         ("emissive_local_read".into(), local_read(&scenes::emissive(), LightWay::Auto)),
         ("emissive_local_read_stencil".into(), local_read(&scenes::emissive(), LightWay::Stencil)),
     ];

@@ -268,7 +268,8 @@ fn every_constant() -> Specialization {
         .and(every_constant_of_bloom())
         .and(Specialization::edge_filter(0.0))
         .and(Specialization::translucency(Translucency::Oit, 4, true))
-        .and(Specialization::peel(true))
+        .and(Specialization::behind(Some(true)))
+        .and(Specialization::absorbs(true))
 }
 
 #[test]

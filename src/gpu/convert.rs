@@ -2,9 +2,9 @@
 
 use glam::{DVec4, Vec3};
 
-use super::shared::{InstanceData, LightData, MaterialData};
+use super::shared::{InstanceData, LightData, MaterialData, MediumData};
 use crate::plan::SurfaceKind;
-use crate::scene::{AlphaMode, GlobeMap, Light, LightKind, Material, TextureRef};
+use crate::scene::{AlphaMode, GlobeMap, Light, LightKind, Material, TextureRef, Transmission};
 
 pub(super) fn instance(world_from_object: &glam::Mat4) -> InstanceData {
     let m = world_from_object;
@@ -28,6 +28,16 @@ pub(super) fn material(m: &Material) -> MaterialData {
         normal_scale: m.normal_scale,
         occlusion_strength: m.occlusion_strength,
         uv_rows: SurfaceKind::textures_of(m).map(rows),
+    }
+}
+
+pub(super) fn medium(t: &Transmission) -> MediumData {
+    MediumData {
+        absorption_per_m: t.absorption_per_m().as_vec3().to_array(),
+        thickness_m: t.thickness_m,
+        factor: t.factor,
+        f0: t.f0() as f32,
+        ..MediumData::default()
     }
 }
 

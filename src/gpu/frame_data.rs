@@ -8,8 +8,9 @@ use super::decals::Decals;
 use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::objects::Objects;
+use super::particles::SceneParticles;
 use super::shader::shared;
-use super::shared::{DecalData, FrameUniforms, InstanceData, LightData};
+use super::shared::{DecalData, FrameUniforms, InstanceData, LightData, ParticleData};
 use super::{Buffer, BufferDesc, Device, MemoryUse, View};
 use crate::Result;
 use crate::plan::{Plan, Seen};
@@ -29,6 +30,8 @@ pub(super) struct FrameData {
     pub(super) light_lists: Option<Buffer>,
     /// `None` if nothing is painted.
     pub(super) decals: Option<Buffer>,
+    /// `None` if there are no particles.
+    pub(super) particles: Option<Buffer>,
 }
 
 /// How much of a scene was written for a frame.
@@ -46,17 +49,18 @@ pub(super) struct Everything<'a> {
     pub(super) lights: &'a mut Lights,
     pub(super) light_lists: &'a mut LightLists,
     pub(super) decals: &'a mut Decals,
+    pub(super) particles: &'a mut SceneParticles,
     pub(super) ambient_nt: glam::Vec3,
 }
 
 impl FrameData {
-    /// Makes what pipelines read: bit `n` of `read` is binding `n` of `SET_FRAME`. There are so many objects, lights and
-    /// decals.
+    /// Makes what pipelines read: bit `n` of `read` is binding `n` of `SET_FRAME`. There are so many objects, lights,
+    /// decals and particles.
     pub(super) fn new(
         device: &Device,
         plan: &Plan,
         read: u32,
-        [objects, lights, decals]: [usize; 3],
+        [objects, lights, decals, particles]: [usize; 4],
     ) -> Result<Self> {
         let is_read = |binding: u32| read & (1 << binding) != 0;
         let buffer = |name, bytes: usize, usage| {
@@ -82,6 +86,9 @@ impl FrameData {
             decals: (decals > 0)
                 .then(|| buffer("decals", decals * size_of::<DecalData>(), storage))
                 .transpose()?,
+            particles: (particles > 0)
+                .then(|| buffer("particles", particles * size_of::<ParticleData>(), storage))
+                .transpose()?,
         })
     }
 
@@ -95,7 +102,7 @@ impl FrameData {
         cull: bool,
         [share, factor]: [f32; 2],
     ) -> Written {
-        let Everything { objects, lights, light_lists, decals, ambient_nt } = scene;
+        let Everything { objects, lights, light_lists, decals, particles, ambient_nt } = scene;
         let mut uniforms = view.uniforms(plan, size, ambient_nt);
         let clip_from_world = glam::Mat4::from_cols_array_2d(&uniforms.clip_from_world);
         let sight = Sight::new(&clip_from_world, &view.camera.world_from_view);
@@ -112,6 +119,9 @@ impl FrameData {
         if let Some(buffer) = &mut self.decals {
             let out = bytemuck::cast_slice_mut(buffer.mapped_mut());
             decals.write_visible(&clip_from_world, frustum, view.camera, out);
+        }
+        if let Some(buffer) = &mut self.particles {
+            particles.write_visible(frustum, bytemuck::cast_slice_mut(buffer.mapped_mut()));
         }
         uniforms.bloom = [share, factor, 0.0, 0.0];
         if let Some(buffer) = &mut self.uniforms {
@@ -131,8 +141,8 @@ impl FrameData {
 
     /// Size of the memory.
     pub(super) fn allocated_bytes(&self) -> u64 {
-        let Self { uniforms, instances, lightmap_rects, lights, light_lists, decals } = self;
-        let buffers = [uniforms, instances, lightmap_rects, lights, light_lists, decals];
+        let Self { uniforms, instances, lightmap_rects, lights, light_lists, decals, particles } = self;
+        let buffers = [uniforms, instances, lightmap_rects, lights, light_lists, decals, particles];
         buffers.into_iter().flatten().map(Buffer::allocated_bytes).sum()
     }
 }

@@ -43,6 +43,7 @@ mod meshes;
 mod objects;
 mod offscreen;
 mod owned;
+mod particles;
 mod pass;
 mod pipeline;
 mod post;

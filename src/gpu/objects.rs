@@ -152,9 +152,9 @@ impl Objects {
         &self.batches
     }
 
-    /// How many draw calls a stage takes at most.
+    /// How many draw calls a stage takes at most: what light goes through is drawn twice.
     pub(super) fn most_runs(&self) -> usize {
-        self.batches.len() + self.blended.capacity()
+        self.batches.len() + 2 * self.blended.capacity()
     }
 
     /// All batches, to give them their materials.

@@ -1,6 +1,7 @@
 //! The renderer: a plan made of Vulkan objects, and frames recorded with them.
 
 mod decals;
+mod particles;
 mod post;
 mod record;
 mod retired;
@@ -23,7 +24,7 @@ use super::{
     Device, Image, OutputImage, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
 use crate::plan::{FrameCounts, MergeReport, Needs, OutputUse, Plan, State, Usage};
-use crate::scene::{Changes, Decal, Light, Scene};
+use crate::scene::{Changes, Decal, Light, Particle, Scene};
 use crate::{Error, Result};
 use record::Frame;
 use retired::Retired;
@@ -351,6 +352,15 @@ impl Renderer {
     /// another material or priority, or a channel that it did not paint. Nothing is changed then.
     pub fn set_decal(&mut self, index: usize, decal: &Decal) -> Result<()> {
         self.scene.decals_mut().set(index, decal)
+    }
+
+    /// Puts other particles in the place of the scene's element `index`, for the frames recorded from now on.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the scene has no such element, a number means nothing, or there are more than
+    /// [`Particles::most`](crate::scene::Particles::most). Nothing is changed then.
+    pub fn set_particles(&mut self, index: usize, list: &[Particle]) -> Result<()> {
+        self.scene.particles_mut().set(index, list)
     }
 
     /// The shadow map, if something was drawn into it; between frames in SHADER_READ_ONLY_OPTIMAL.

@@ -9,18 +9,21 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::around::AroundData;
+use super::convert;
 use super::decals::Decals;
 use super::descriptor::{Content, DescriptorSets};
 use super::frame_data::{Everything, FrameData, Written};
 use super::globe_maps::GlobeMaps;
 use super::light_lists::LightLists;
 use super::lights::{Lights, VolumeLight};
-use super::material_data::Materials;
+use super::material_data::Blocks;
 use super::meshes::Meshes;
 use super::objects::{Batch, Objects};
+use super::particles::SceneParticles;
 use super::pipeline::{Family, FamilyLayout, Pipelines};
 use super::shader::shared;
 use super::shadow::ShadowResources;
+use super::shared::{MaterialData, MediumData};
 use super::volume_casters::VolumeCasters;
 use super::{ColorEncoding, Device, Recorder, TextureKey, Textures, Upload, View};
 use crate::Result;
@@ -40,9 +43,11 @@ pub(super) struct SceneData {
     lights: Lights,
     light_lists: LightLists,
     decals: Decals,
+    particles: SceneParticles,
     /// One a frame slot.
     frames: Vec<FrameData>,
-    materials: Option<Materials>,
+    materials: Option<Blocks<MaterialData>>,
+    media: Option<Blocks<MediumData>>,
     meshes: Meshes,
     textures: Textures,
     globe_maps: Option<GlobeMaps>,
@@ -66,12 +71,14 @@ impl SceneData {
         let globe_layers = globes.as_ref().map(|g| g.first_of_light.as_slice());
         let lights = Lights::new(&scene.lights, plan.shadow_map.as_ref(), globe_layers, &plan.volume_lights);
         let decals = Decals::new(scene, plan);
+        let particles = SceneParticles::new(scene, plan);
+        let others: Vec<_> = decals.materials().chain(particles.materials()).collect();
         let of_objects = objects.batches().iter().map(|batch| batch.material);
-        let materials: BTreeSet<_> = of_objects.chain(decals.materials().map(|(_, m)| m)).collect();
+        let materials: BTreeSet<_> = of_objects.chain(others.iter().map(|(_, m)| *m)).collect();
         let streams = streams(scene, plan, objects.batches());
         let old = kept.map(|(old, changes)| (&old.meshes, &changes.meshes[..]));
         let meshes = Meshes::new(device, upload, &scene.meshes, &streams, old)?;
-        let keys = texture_keys(scene, plan, objects.batches(), &decals);
+        let keys = texture_keys(scene, plan, objects.batches(), &others);
         let old = kept.map(|(old, changes)| (&old.textures, &changes.images[..]));
         let textures = Textures::new(device, upload, &scene.images, &scene.textures, &keys, old)?;
         let same_around =
@@ -82,7 +89,7 @@ impl SceneData {
         };
         let frame_kinds: Vec<u32> = frame_layouts(pipelines).into_keys().collect();
         let read = frame_kinds.iter().fold(0, |all, kind| all | kind);
-        let counts = [objects.count(), lights.count(), decals.count()];
+        let counts = [objects.count(), lights.count(), decals.count(), particles.most()];
         let frames = (0..slots).map(|_| FrameData::new(device, plan, read, counts));
         let mut data = Self {
             frame_sets: None,
@@ -91,9 +98,15 @@ impl SceneData {
             frame_kinds,
             objects,
             decals,
+            particles,
             light_lists: LightLists::new(plan, lights.count()),
             lights,
-            materials: Materials::new(device, upload, scene, &materials)?,
+            materials: Blocks::new(device, upload, "materials", &materials, |i| {
+                convert::material(&scene.materials[i])
+            })?,
+            media: Blocks::new(device, upload, "media", &media(scene, &materials), |i| {
+                convert::medium(&scene.materials[i].transmission.unwrap_or_default())
+            })?,
             meshes,
             textures,
             globe_maps: globes.map(|layers| GlobeMaps::new(device, upload, &layers)).transpose()?,
@@ -127,6 +140,16 @@ impl SceneData {
     /// What is painted, to change it.
     pub(super) fn decals_mut(&mut self) -> &mut Decals {
         &mut self.decals
+    }
+
+    /// Light without surfaces.
+    pub(super) fn particles(&self) -> &SceneParticles {
+        &self.particles
+    }
+
+    /// The same, to change it.
+    pub(super) fn particles_mut(&mut self) -> &mut SceneParticles {
+        &mut self.particles
     }
 
     /// Moves an element of `Scene::instances`.
@@ -198,7 +221,8 @@ impl SceneData {
     /// Device memory of buffers and textures.
     pub(super) fn allocated_bytes(&self) -> u64 {
         self.frames.iter().map(FrameData::allocated_bytes).sum::<u64>()
-            + self.materials.as_ref().map_or(0, Materials::allocated_bytes)
+            + self.materials.as_ref().map_or(0, Blocks::allocated_bytes)
+            + self.media.as_ref().map_or(0, Blocks::allocated_bytes)
             + self.volume_casters.as_ref().map_or(0, VolumeCasters::allocated_bytes)
             + self.meshes.allocated_bytes()
             + self.textures.allocated_bytes()
@@ -219,8 +243,8 @@ impl SceneData {
         if let Some(casters) = &mut self.volume_casters {
             casters.write(slot);
         }
-        let Self { objects, lights, light_lists, decals, ambient_nt, .. } = self;
-        let scene = Everything { objects, lights, light_lists, decals, ambient_nt: *ambient_nt };
+        let Self { objects, lights, light_lists, decals, particles, ambient_nt, .. } = self;
+        let scene = Everything { objects, lights, light_lists, decals, particles, ambient_nt: *ambient_nt };
         self.frames[slot].write(view, plan, size, scene, cull, scattered)
     }
 
@@ -312,6 +336,7 @@ impl SceneData {
                     b if b == const { shared("BINDING_LIGHTMAPS") } => frame.lightmap_rects.as_ref(),
                     b if b == const { shared("BINDING_LIGHTS") } => frame.lights.as_ref(),
                     b if b == const { shared("BINDING_DECALS") } => frame.decals.as_ref(),
+                    b if b == const { shared("BINDING_PARTICLES") } => frame.particles.as_ref(),
                     b if b == const { shared("BINDING_SHADOW_VIEWS") } => shadows.map(|s| s.views(slot)),
                     b if b == const { shared("BINDING_CASTERS") } => {
                         self.volume_casters.as_ref().map(VolumeCasters::meshes)
@@ -347,13 +372,14 @@ impl SceneData {
             }
             batch.material_set = keys.len() - 1;
         }
-        for key in self.decals.materials() {
+        for key in self.decals.materials().chain(self.particles.materials()) {
             if !keys.contains(&key) {
                 keys.push(key);
             }
         }
         let set_of = |key| keys.iter().position(|known| *known == key).expect("all were put there");
         self.decals.set_material_sets(set_of);
+        self.particles.set_material_sets(set_of);
         let wanted: Vec<_> = keys
             .iter()
             .map(|(pipeline, _)| {
@@ -372,6 +398,11 @@ impl SceneData {
                 vk::DescriptorType::UNIFORM_BUFFER,
                 &numbers,
             );
+            let medium = self.media.as_ref().filter(|_| material_kind(plan, pipeline).transmits);
+            if let Some(media) = medium {
+                let binding = const { shared("BINDING_MEDIUM") };
+                sets.write(index, binding, vk::DescriptorType::UNIFORM_BUFFER, &media.content(material));
+            }
             let images: Vec<_> = material_textures(scene, &material_kind(plan, pipeline), material)
                 .map(|key| self.image(key))
                 .collect();
@@ -383,6 +414,11 @@ impl SceneData {
         self.material_sets = Some(sets);
         Ok(())
     }
+}
+
+/// Those of these materials that light goes through.
+fn media(scene: &Scene, materials: &BTreeSet<usize>) -> BTreeSet<usize> {
+    materials.iter().copied().filter(|&i| scene.materials[i].transmits().is_some()).collect()
 }
 
 /// A layout of each [`Family::frame`].

@@ -100,11 +100,21 @@ pub enum Module {
     EdgeFilter,
     /// The space behind what faces a light.
     ShadowVolumeVertex,
+    /// The square of a particle.
+    ParticleVertex,
+    /// Multiplies what is behind a surface that light goes through, or adds its own light.
+    Medium,
+    /// [`Self::Medium`] of several samples a pixel.
+    MediumSamples,
+    /// Adds a particle's light.
+    Particle,
+    /// [`Self::Particle`] of several samples a pixel.
+    ParticleSamples,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 30] = [
+    pub const ALL: [Self; 35] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -132,6 +142,11 @@ impl Module {
         Self::DecalVertex,
         Self::Decal,
         Self::DecalSamples,
+        Self::ParticleVertex,
+        Self::Medium,
+        Self::MediumSamples,
+        Self::Particle,
+        Self::ParticleSamples,
         Self::PeelSamples,
         Self::CompositeSamples,
         Self::ForwardSamples,
@@ -163,6 +178,9 @@ impl Module {
             Self::Bloom => "bloom.frag",
             Self::EdgeFilter => "edge_filter.frag",
             Self::ShadowVolumeVertex => "shadow_volume.vert",
+            Self::ParticleVertex => "particle.vert",
+            Self::Medium | Self::MediumSamples => "medium.frag",
+            Self::Particle | Self::ParticleSamples => "particle.frag",
         }
     }
 
@@ -173,6 +191,8 @@ impl Module {
             Self::TonemapSamples => "tonemap_samples.frag",
             Self::DecalSamples => "decal_samples.frag",
             Self::FogSamples => "fog_samples.frag",
+            Self::ParticleSamples => "particle_samples.frag",
+            Self::MediumSamples => "medium_samples.frag",
             Self::PeelSamples => "peel_samples.frag",
             Self::CompositeSamples => "composite_samples.frag",
             Self::ForwardSamples => "forward_samples.frag",
@@ -188,6 +208,8 @@ impl Module {
             | Self::TonemapSamples
             | Self::FogSamples
             | Self::DecalSamples
+            | Self::ParticleSamples
+            | Self::MediumSamples
             | Self::PeelSamples
             | Self::CompositeSamples
             | Self::ForwardSamples => &["MULTISAMPLED"],
@@ -202,6 +224,8 @@ impl Module {
             Self::Tonemap => Self::TonemapSamples,
             Self::Decal => Self::DecalSamples,
             Self::Fog => Self::FogSamples,
+            Self::Particle => Self::ParticleSamples,
+            Self::Medium => Self::MediumSamples,
             Self::Peel => Self::PeelSamples,
             Self::Composite => Self::CompositeSamples,
             Self::Forward => Self::ForwardSamples,

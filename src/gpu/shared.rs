@@ -66,6 +66,22 @@ pub struct MaterialData {
     pub uv_rows: [[[f32; 4]; 2]; super::shader::KIND_COUNT],
 }
 
+/// What fills the space behind a material that light goes through: `Medium` in `glsl/medium.glsl`, std140.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct MediumData {
+    /// See [`crate::scene::Transmission::absorption_per_m`].
+    pub absorption_per_m: [f32; 3],
+    /// The longest way through, metres.
+    pub thickness_m: f32,
+    /// The share of light that enters and is not scattered back.
+    pub factor: f32,
+    /// Reflectance at normal incidence.
+    pub f0: f32,
+    /// Unused.
+    pub padding: [f32; 2],
+}
+
 /// What does not change about an environment: `Environment` in `glsl/light/environment.glsl`, std140.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -201,6 +217,24 @@ pub struct VolumePush {
 pub struct LightPush {
     /// Its number among the frame's lights.
     pub light: u32,
+}
+
+/// A particle: `Particle` in `glsl/particle.glsl`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct ParticleData {
+    /// Metres.
+    pub center_world: [f32; 3],
+    /// 1 / the soft distance, per metre.
+    pub inverse_soft: f32,
+    /// Multiplies the material's emission.
+    pub color: [f32; 3],
+    /// Unused.
+    pub padding: f32,
+    /// Half a side of the square, as a vector on the image: right and up, metres.
+    pub half_axis: [f32; 2],
+    /// Unused.
+    pub padding_2: [f32; 2],
 }
 
 /// A decal: `Decal` in `glsl/decal.glsl`, std430.

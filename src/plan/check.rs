@@ -129,7 +129,7 @@ pub(super) fn check_blended(
         ));
     }
     let has_alpha = gbuffer.added_light(true).is_none_or(|(light, _)| light.has_alpha());
-    match (&needs.blended, needs.background) {
+    match (needs.over_light(), needs.background) {
         (Some(blended), Some(_)) if !has_alpha => Err(crate::Error::unsupported(
             format!(
                 "light in b10g11r11 has no room for how much {blended} covers of the background's colour"

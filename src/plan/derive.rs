@@ -169,7 +169,9 @@ fn pass(
     }
     for touches in touches.values() {
         let depth = frame.resources[touches[0].resource].format.is_depth();
-        dependencies.cover(touches, depth, frame.stages.iter().any(|stage| stage.name == super::stage::PEEL));
+        let alternates = [super::stage::PEEL, super::stage::MEDIA, super::stage::PARTICLES];
+        let alternates = frame.stages.iter().any(|stage| alternates.contains(&stage.name));
+        dependencies.cover(touches, depth, alternates);
         if !is_rendering {
             dependencies.rearrange(frame, touches, depth);
         }

@@ -358,9 +358,14 @@ impl Plan {
                     1 => format!(" ({})", n.why),
                     instances => format!(" ({instances} instances, first {})", n.why),
                 });
-                let what = if kind.blend { "blended surface" } else { "surface" };
+                let what = match (kind.transmits, kind.blend) {
+                    (true, _) => "medium",
+                    (_, true) => "blended surface",
+                    _ => "surface",
+                };
                 format!("{what} {kind}{}", why.unwrap_or_default())
             }
+            P::Absorb(kind) => format!("absorption, {kind}"),
             P::Depth(kind) => {
                 let flags = [
                     (kind.alpha_mask, " +alpha mask"),
@@ -392,6 +397,11 @@ impl Plan {
                     decals => format!(" ({decals} decals, first {})", n.why),
                 });
                 format!("decal: {kind}{}", why.unwrap_or_default())
+            }
+            P::Particles(kind) => {
+                let need = self.needs.particles.iter().find(|n| n.kind == *kind);
+                let why = need.map(|n| format!(" (up to {}, first {})", n.particles, n.why));
+                format!("particles, {kind}{}", why.unwrap_or_default())
             }
             P::LightMask(shape) => format!("light mask, {shape}"),
             P::LightVolume(shape) => format!("light, {shape}"),

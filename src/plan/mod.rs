@@ -26,6 +26,7 @@ mod names;
 mod needs;
 mod notes;
 mod options;
+mod particles;
 mod pass;
 mod path;
 mod pipeline;
@@ -69,6 +70,7 @@ pub use names::{
 pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub use options::{Options, ShadowOptions};
+pub use particles::{ParticleKind, ParticleNeed};
 pub use pass::{
     Attachment, Dependency, Load, Pass, PassAttachment, Resolve, Store, Subpass, Transition, Usage,
 };
@@ -214,7 +216,7 @@ impl Plan {
         let volumes = shadow_volumes::resolve(&needs, &options, path, limits)?;
         let by_volume = !volumes.lights.is_empty();
         let gbuffer = GBuffer::new(&options)?;
-        let gbuffer = if needs.blended.is_some() { gbuffer.for_blending() } else { gbuffer };
+        let gbuffer = if needs.over_light().is_some() { gbuffer.for_blending() } else { gbuffer };
         check_blended(&gbuffer, &needs, &options, strategy, limits)?;
         if path == Path::Deferred && needs.lit_opaque.is_some() {
             let one_by_one = light_way.is_one_by_one() || by_volume;
@@ -297,7 +299,7 @@ impl Plan {
     /// Whether a light target exists.
     pub fn has_light_target(&self) -> bool {
         let in_gbuffer = self.has_gbuffer() && matches!(self.gbuffer.light, LightPlace::Read(_));
-        (self.needs.lit.is_some() || self.needs.blended.is_some()) && !self.folded && !in_gbuffer
+        (self.needs.lit.is_some() || self.needs.over_light().is_some()) && !self.folded && !in_gbuffer
     }
 
     /// What light is summed in, if it is.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::decals::{self, DecalNeed};
+use super::particles::{self, ParticleNeed};
 use super::{Around, EnvironmentNeed, LightmapNeed, LightmapUse, SceneKinds, ShadowNeeds};
 use crate::scene::{AlphaMode, Background, Fog, Instance, Light, LightKind, Material, Scene, TextureRef};
 use crate::visible::Reach;
@@ -41,6 +42,9 @@ pub struct SurfaceKind {
     pub lightmap: LightmapUse,
     /// Laid over what is behind, after lighting.
     pub blend: bool,
+    /// Beside that, what is behind goes through it and is absorbed.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub transmits: bool,
 }
 
 impl SurfaceKind {
@@ -61,7 +65,8 @@ impl SurfaceKind {
             emissive,
             around,
             lightmap: kinds.lightmap_of(instance),
-            blend: material.alpha_mode == AlphaMode::Blend,
+            blend: material.shows_behind(),
+            transmits: material.transmits().is_some(),
             ..Self::default()
         };
         let wanted = [
@@ -168,6 +173,7 @@ impl std::fmt::Display for SurfaceKind {
             (self.has_lightmap(), "lightmap"),
             (self.lightmap == LightmapUse::Elsewhere, "vertices of lightmapped instances"),
             (self.around == Around::Probes, "probes"),
+            (self.transmits, "transmission"),
         ];
         flags.iter().filter(|(on, _)| *on).try_for_each(|(_, name)| write!(f, " +{name}"))
     }
@@ -193,6 +199,9 @@ pub struct Needs {
     pub lit: Option<String>,
     /// The first lit material that is not blended, if any: G-buffer and lighting exist for it.
     pub lit_opaque: Option<String>,
+    /// The first material that light goes through, if any: the stage that absorbs it and the light target exist for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transmits: Option<String>,
     /// The first blended material, if any: translucency and the light target under it exist for it.
     pub blended: Option<String>,
     /// Why light must be summed before lighting (emission, ambient light, unlit surfaces beside lit ones);
@@ -245,6 +254,9 @@ pub struct Needs {
     pub painted_around: Around,
     /// The first material whose occlusion lighting needs for that.
     pub occlusion: Option<String>,
+    /// Kinds of particles, in pipeline order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub particles: Vec<ParticleNeed>,
 }
 
 impl Needs {
@@ -337,7 +349,8 @@ impl Needs {
             lightmap: first(|k| k.has_lightmap()).and_then(|_| LightmapNeed::of(scene)),
             shadows,
             triangles: scene.triangle_count(),
-            blended: first(|k| k.blend).map(|n| n.why.clone()),
+            blended: first(|k| k.blend && !k.transmits).map(|n| n.why.clone()),
+            transmits: first(|k| k.transmits).map(|n| n.why.clone()),
             blended_triangles: scene.triangles_of(|instance| scene.is_blended(instance)),
             background: match scene.background {
                 Background::Color(color) => Some(color.to_array()),
@@ -347,10 +360,16 @@ impl Needs {
             painted_around,
             occlusion: occlusion.filter(|_| painted_around.any()),
             decals: if lit_opaque.is_some() { decals::of(scene) } else { Vec::new() },
+            particles: particles::of(scene),
             lit,
             lit_opaque,
             kinds,
         }
+    }
+
+    /// The first of what is blended over light, or added to it, once surfaces are lit: there is a light target for it.
+    pub fn over_light(&self) -> Option<&String> {
+        self.transmits.as_ref().or(self.blended.as_ref()).or(self.particles.first().map(|need| &need.why))
     }
 
     /// Triangles that hide what is behind them.

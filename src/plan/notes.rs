@@ -14,6 +14,12 @@ pub(super) fn of(
 ) -> Vec<String> {
     let mut notes = Vec::new();
     notes.extend(translucency(needs, options, gbuffer));
+    notes.extend(needs.transmits.as_ref().map(|first| {
+        format!(
+            "{first} lets light through, in the pass and not refracted: of what is behind it in the same pixel; it absorbs on the whole way to \
+             what is opaque, whatever lies between, and is below all that is blended"
+        )
+    }));
     if options.depth_prepass && needs.triangles <= 1 {
         notes.push("no triangle hides another: no depth test, so no depth pre-pass".into());
     }

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::stage::{FOG, Frame, LAYERS, PEEL, TRANSLUCENCY, Use};
-use super::{DecalKind, Edges, LightWay, Needs, SurfaceKind, VolumeShape, lights};
+use super::stage::{FOG, Frame, LAYERS, MEDIA, PARTICLES, PEEL, TRANSLUCENCY, Use};
+use super::{DecalKind, Edges, LightWay, Needs, ParticleKind, SurfaceKind, VolumeShape, lights};
 
 /// A graphics pipeline that a frame needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -52,12 +52,20 @@ pub enum Pipeline {
     },
     /// Blends what was collected of blended surfaces over the light.
     Composite,
+    /// Multiplies what is behind surfaces of a kind by what they let through; drawn before [`Self::Surface`] of each, which adds their
+    /// own light.
+    Absorb(SurfaceKind),
+    /// Adds the light of particles of one kind.
+    Particles(ParticleKind),
 }
 
 impl Pipeline {
     /// Whether it draws surfaces, not all pixels.
     pub fn is_of_surfaces(&self) -> bool {
-        matches!(self, Self::Surface(_) | Self::Depth(_) | Self::Light(_) | Self::Peel { .. })
+        matches!(
+            self,
+            Self::Surface(_) | Self::Depth(_) | Self::Light(_) | Self::Peel { .. } | Self::Absorb(_)
+        )
     }
 
     /// Whether it reads what its stage reads of attachments, and nothing of materials.
@@ -72,7 +80,8 @@ impl Pipeline {
 
     /// Whether it draws surfaces that are blended.
     pub fn is_of_blended(&self) -> bool {
-        matches!(self, Self::Surface(kind) if kind.blend) || matches!(self, Self::Peel { .. })
+        matches!(self, Self::Surface(kind) if kind.blend)
+            || matches!(self, Self::Peel { .. } | Self::Absorb(_))
     }
 
     /// The pipeline that does for pixels what this does for samples; itself, if there is none.
@@ -88,7 +97,7 @@ impl Pipeline {
     pub fn draws(&self, kind: &SurfaceKind) -> bool {
         match self {
             Self::Surface(own) | Self::Light(own) => own == kind,
-            Self::Peel { kind: own, .. } => kind.blend && *own == kind.depth(),
+            Self::Peel { kind: own, .. } => kind.blend && !kind.transmits && *own == kind.depth(),
             Self::Depth(own) => !kind.blend && *own == kind.depth(),
             _ => false,
         }
@@ -122,7 +131,8 @@ pub(super) fn of(
     let decals = stage("decals")
         .into_iter()
         .flat_map(|s| needs.decals.iter().map(move |n| (s, Pipeline::Decal(n.kind))));
-    let blended = || needs.kinds.iter().filter(|n| n.kind.blend);
+    let blended = || needs.kinds.iter().filter(|n| n.kind.blend && !n.kind.transmits);
+    let transmits = || needs.kinds.iter().filter(|n| n.kind.transmits).map(|n| n.kind);
     let silhouettes: BTreeSet<_> = blended().map(|n| n.kind.depth()).collect();
     let collected = stage(LAYERS).is_some();
     let mut translucency = Vec::new();
@@ -134,6 +144,13 @@ pub(super) fn of(
             TRANSLUCENCY | LAYERS => {
                 translucency.extend((reads && needs.fog.is_some()).then_some((s, Pipeline::Fog)));
                 translucency.extend(blended().map(|n| (s, Pipeline::Surface(n.kind))));
+            }
+            MEDIA => {
+                let both = transmits().flat_map(|kind| [Pipeline::Absorb(kind), Pipeline::Surface(kind)]);
+                translucency.extend(both.map(|pipeline| (s, pipeline)));
+            }
+            PARTICLES => {
+                translucency.extend(needs.particles.iter().map(|n| (s, Pipeline::Particles(n.kind))))
             }
             PEEL => {
                 let first = stage(PEEL) == Some(s);

@@ -158,6 +158,7 @@ impl Plan {
             let blend = match (s.blend, s.ordered, s.barriers) {
                 (true, ..) if s.name == "decals" => " (mixed)",
                 (true, ..) if [stage::TRANSLUCENCY, stage::FOG].contains(&s.name) => " (blended)",
+                (true, ..) if s.name == stage::MEDIA => " (multiplied, then added)",
                 (true, ..) => " (added)",
                 (_, true, _) => " (each fragment over what it has read, in order)",
                 (_, _, true) => " (over what is read, with barriers between draws that overlap)",

@@ -70,7 +70,7 @@ impl CasterKind {
         let mask = match material.alpha_mode {
             AlphaMode::Mask { .. } if mask.textured || mask.vertex_color => Some(mask),
             AlphaMode::Mask { cutoff } if material.base_color_factor.w < cutoff => return None,
-            AlphaMode::Blend => return None,
+            _ if material.shows_behind() => return None,
             _ => None,
         };
         Some(Self { mask, double_sided: kind.double_sided, mirrored: kind.mirrored })
@@ -117,7 +117,7 @@ impl ShadowNeeds {
             casters.extend(CasterKind::new(&kind, &scene.materials[material]));
         }
         let material = |instance: &Instance| &scene.materials[scene.meshes[instance.mesh].material];
-        let casts = |instance: &Instance| material(instance).alpha_mode != AlphaMode::Blend;
+        let casts = |instance: &Instance| !material(instance).shows_behind();
         let either = scene.triangles_of(|instance| casts(instance) || !material(instance).unlit);
         // A single triangle has nothing to cast its shadow on.
         if !lit || casters.is_empty() || either < 2 {

@@ -37,8 +37,11 @@ pub(super) fn resolve(needs: &Needs, options: &Options, path: Path, limits: &Lim
             format!("{remedy}, or leave --shadow-volumes out for shadow maps"),
         ));
     }
-    let blended =
-        needs.blended.as_ref().map(|_| "what is blended is lit as it is drawn, when no count is left");
+    let blended = needs
+        .transmits
+        .as_ref()
+        .or(needs.blended.as_ref())
+        .map(|_| "what is blended is lit as it is drawn, when no count is left");
     let in_all = obstacle.as_ref().map(|(what, _)| what.as_str()).or(blended);
     for need in lights {
         let (asks, why) = match need.volume {

@@ -7,9 +7,12 @@ use rayon::prelude::*;
 
 use super::around::{Around, Method};
 use super::decals::Painter;
+use super::edges::{SNAP_PX, is_creased, is_torn};
 use super::fog::fogged;
-use super::gbuffer::{Attributes, attributes, emitting, interpolate};
+use super::gbuffer::{Attributes, attributes, emitting};
 use super::layers::{Blended, Layer, over};
+use super::media::{Film, behind};
+use super::particles::Sparks;
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
 use super::shade::reflected_parts;
 use super::shadow::Occlusion;
@@ -161,6 +164,7 @@ pub struct Tracer<'a> {
     blended: Option<Blended<'a>>,
     around: Around<'a>,
     decals: Painter<'a>,
+    particles: Sparks<'a>,
 }
 
 impl<'a> Tracer<'a> {
@@ -178,6 +182,7 @@ impl<'a> Tracer<'a> {
             blended: Blended::new(scene),
             around,
             decals: Painter::new(scene),
+            particles: Sparks::new(scene),
         }
     }
 
@@ -187,7 +192,7 @@ impl<'a> Tracer<'a> {
     /// If an index within the scene is out of range.
     pub fn render(&self, camera: &Camera, settings: &Settings) -> Frame {
         let view = settings.view(camera);
-        let Tracer { scene, visibility, blended, around, decals } = self;
+        let Tracer { scene, visibility, blended, around, decals, particles } = self;
         let occlusion = Occlusion::new(scene, visibility);
         let occlusion = settings.shadows.then_some(&occlusion);
         let [width, height] = settings.size;
@@ -201,18 +206,37 @@ impl<'a> Tracer<'a> {
         let pixels = (0..width * height).into_par_iter().map(|index| {
             let (x, y) = (index % width, index / width);
             let mut edge = is_edge(visibility, &view, &centers, &corners, x, y);
-            let mut layers = Vec::new();
+            let ray = view.ray_through_pixel([x, y]);
+            let opaque_m = centers.at(x, y).map_or(f64::INFINITY, |hit| hit.distance);
+            let (mut films, mut layers) = (Vec::new(), Vec::new());
             if let Some((blended, centers, corners)) = &blended {
                 edge = edge || blended.is_edge(visibility, &view, [centers, corners], [x, y]);
-                layers.extend(centers.at(x, y).iter().map(|hit| {
-                    let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
+                for hit in centers.at(x, y) {
+                    let position_world = ray.at(hit.distance);
                     let exact = attributes(blended.visibility(), around, &view, position_world, hit);
                     let own = Settings { gbuffer: None, ..settings.clone() };
-                    let light = [exact.prelit, DVec3::ZERO];
-                    let shaded = finish(scene, (&view, [x, y]), &own, occlusion, exact, light, &[]);
-                    Layer { light: shaded.linear, alpha: blended.alpha(hit) }
-                }));
+                    let none = Over::default();
+                    let light = finish(
+                        scene,
+                        (&view, [x, y]),
+                        &own,
+                        occlusion,
+                        exact,
+                        [exact.prelit, DVec3::ZERO],
+                        none,
+                    )
+                    .linear;
+                    let alpha = blended.alpha(hit);
+                    let (at, shown) = ((&ray, hit, opaque_m), (exact.normal_world, alpha, light));
+                    match Film::new(blended.visibility(), &view, settings.exposure(), at, shown) {
+                        Some(film) => films.push(film),
+                        None => layers.push(Layer { light, alpha }),
+                    }
+                }
             }
+            let shine = particles.shine(&view, &ray, opaque_m);
+            edge = edge || shine.edge;
+            let over = Over { films: &films, layers: &layers, added_nt: shine.light_nt };
             let Some(hit) = centers.at(x, y) else {
                 let none = Attributes::default();
                 let sky = match scene.background {
@@ -223,7 +247,7 @@ impl<'a> Tracer<'a> {
                 };
                 return Pixel {
                     edge,
-                    ..finish(scene, (&view, [x, y]), settings, None, none, [sky, DVec3::ZERO], &layers)
+                    ..finish(scene, (&view, [x, y]), settings, None, none, [sky, DVec3::ZERO], over)
                 };
             };
             let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
@@ -244,7 +268,7 @@ impl<'a> Tracer<'a> {
             let arrives = if is_rounded { (arrives * 255.0).round() / 255.0 } else { arrives };
             let late = || around.reflected(&surface, view.to_viewer(position_world), arrives);
             let light = [prelit, if decals.changes_light() && surface.lit { late() } else { DVec3::ZERO }];
-            Pixel { edge, ..finish(scene, (&view, [x, y]), settings, occlusion, surface, light, &layers) }
+            Pixel { edge, ..finish(scene, (&view, [x, y]), settings, occlusion, surface, light, over) }
         });
         Frame { size: settings.size, pixels: pixels.collect() }
     }
@@ -272,12 +296,31 @@ pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffe
         let light = if settings.light_target { stored.light } else { DVec3::ZERO };
         let surface = decode(layout, &Stored { light, ..*stored }, &view, pixel, light_factor);
         let prelit = surface.prelit;
-        finish(scene, (&view, pixel), settings, occlusion.as_ref(), surface, [prelit, DVec3::ZERO], &[])
+        finish(
+            scene,
+            (&view, pixel),
+            settings,
+            occlusion.as_ref(),
+            surface,
+            [prelit, DVec3::ZERO],
+            Over::default(),
+        )
     });
     Frame { size: settings.size, pixels: pixels.collect() }
 }
 
-/// Adds the lights' reflection to light that existed before, with what is `late` of it, then fog, then what is blended over it, and applies the curve. The viewer is where the pixel's ray comes from, also
+/// What lies over a surface.
+#[derive(Clone, Copy, Default)]
+struct Over<'a> {
+    /// What light goes through, from near to far.
+    films: &'a [Film],
+    /// What is blended over that, likewise.
+    layers: &'a [Layer],
+    /// What particles add as it arrives at the viewer, cd/m².
+    added_nt: DVec3,
+}
+
+/// Adds the lights' reflection, and light that is `late`, to `prelit`, then fog, then what lies over it, and applies the curve. The viewer is where the pixel's ray comes from, also
 /// where a stored position is beside it.
 fn finish(
     scene: &Scene,
@@ -286,7 +329,7 @@ fn finish(
     occlusion: Option<&Occlusion>,
     attributes: Attributes,
     [prelit, late]: [DVec3; 2],
-    layers: &[Layer],
+    Over { films, layers, added_nt }: Over,
 ) -> Pixel {
     let shadowed = Cell::new(0_u64);
     let hidden = |light: usize, to_light| {
@@ -322,7 +365,10 @@ fn finish(
         }
         _ => linear,
     };
+    let (linear, under) = behind(linear, films);
     let (linear, over_it) = over(linear, layers);
+    let over_it = 1.0 - (1.0 - under) * (1.0 - over_it);
+    let linear = linear + added_nt * settings.exposure();
     let display = match scene.background {
         // A colour of the display: what is blended lies over it as a picture on a page.
         Background::Color(color) if !covered => {
@@ -331,7 +377,7 @@ fn finish(
         _ => tonemap(settings.tonemap, linear),
     };
     Pixel {
-        covered: covered || over_it > 0.0,
+        covered: covered || over_it > 0.0 || added_nt != DVec3::ZERO,
         linear,
         display,
         attributes,
@@ -378,10 +424,6 @@ impl Lattice {
     }
 }
 
-/// How far from a centre a rasteriser's edge may be: half a step of Vulkan's least `subPixelPrecisionBits`, 4,
-/// along each axis, for both ends of an edge.
-pub(super) const SNAP_PX: f64 = 1.0 / 16.0;
-
 /// Whether anything in the 3x3 neighbourhood of centres and the pixel's corners differs in kind, or anything
 /// within [`SNAP_PX`] differs measurably.
 fn is_edge(
@@ -412,39 +454,4 @@ fn is_edge(
             _ => true,
         }
     })
-}
-
-/// Whether two hits about a pixel apart belong to different instances, or to parts of one surface that are not
-/// side by side: one lies more than 30 degrees off the other's plane.
-pub(super) fn is_torn(visibility: &Visibility, (ray_a, a): (&Ray, &Hit), (ray_b, b): (&Ray, &Hit)) -> bool {
-    const MAX_SINE: f64 = 0.5;
-    if a.triangle == b.triangle {
-        return false;
-    }
-    if visibility.instance(a) != visibility.instance(b) || a.front_facing != b.front_facing {
-        return true;
-    }
-    let apart = ray_b.at(b.distance) - ray_a.at(a.distance);
-    let off_plane = |hit: &Hit| visibility.plane_normal(hit).dot(apart).abs();
-    off_plane(a).max(off_plane(b)) > MAX_SINE * apart.length()
-}
-
-/// Whether the surface at `b` differs from what `a`'s triangle, extrapolated to the same ray, would show there.
-pub(super) fn is_creased(visibility: &Visibility, a: &Hit, ray_b: &Ray, b: &Hit) -> bool {
-    /// Differences that change the shading by less than about one part in a thousand, next to the shading's own
-    /// slope over `SNAP_PX`.
-    const MAX_STEP: f64 = 2e-3;
-    if a.triangle == b.triangle {
-        return false;
-    }
-    if visibility.instance(a) != visibility.instance(b) || a.front_facing != b.front_facing {
-        return true;
-    }
-    let Some(continued) = visibility.extrapolate(ray_b, a.triangle, a.front_facing) else { return true };
-    if (continued.distance - b.distance).abs() > MAX_STEP * b.distance.abs() {
-        return true;
-    }
-    let (here, there) = (interpolate(visibility, &continued), interpolate(visibility, b));
-    let turned = here.normal_world.normalize_or_zero() - there.normal_world.normalize_or_zero();
-    turned.length() > MAX_STEP || (here.color - there.color).abs().max_element() > MAX_STEP
 }

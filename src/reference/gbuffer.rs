@@ -3,10 +3,11 @@
 use glam::{DVec3, DVec4, Vec4};
 
 use super::around::Around;
+use super::media::remaining;
 use super::texture::{self, Encoding};
 use super::view::View;
 use super::visibility::{Hit, Visibility};
-use crate::scene::{Material, Mesh, TextureRef};
+use crate::scene::{Material, Mesh, TextureRef, Transmission};
 
 /// The content of one G-buffer pixel. The default is the background: not lit, dark.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -87,6 +88,16 @@ pub(super) fn alpha(visibility: &Visibility, hit: &Hit) -> f64 {
 fn base_color(visibility: &Visibility, hit: &Hit, surface: &Interpolated) -> DVec4 {
     let texture = slot(visibility, hit, surface.mesh, &surface.material.base_color_texture, Encoding::Srgb);
     surface.material.base_color_factor.as_dvec4() * texture * surface.color
+}
+
+/// What a surface that light goes through is made of: its transmission, base colour and metallicness; `None` if it lets none through.
+pub(super) fn medium<'a>(visibility: &Visibility<'a>, hit: &Hit) -> Option<(&'a Transmission, DVec3, f64)> {
+    let surface = interpolate(visibility, hit);
+    let transmission = surface.material.transmits()?;
+    let color = base_color(visibility, hit, &surface).truncate();
+    let slot =
+        slot(visibility, hit, surface.mesh, &surface.material.metallic_roughness_texture, Encoding::Linear);
+    Some((transmission, color, f64::from(surface.material.metallic_factor) * slot.z))
 }
 
 /// The part of arriving light that the surface reflects in all, to whichever directions: 0 where it is unlit.
@@ -197,7 +208,7 @@ pub fn emitting(visibility: &Visibility, view: &View, position_world: DVec3, hit
     }
     let texel = |texture, encoding| slot(visibility, hit, surface.mesh, texture, encoding);
     let metallic_roughness = texel(&material.metallic_roughness_texture, Encoding::Linear);
-    let attributes = Attributes {
+    let mut attributes = Attributes {
         lit: true,
         depth,
         position_world,
@@ -208,6 +219,9 @@ pub fn emitting(visibility: &Visibility, view: &View, position_world: DVec3, hit
         reflectance: None,
         prelit: emission(visibility, hit, &surface),
     };
+    if let Some(transmission) = material.transmits() {
+        attributes = remaining(transmission, &attributes);
+    }
     // glTF 2.0 section 3.9.3: 1 + strength * (sample - 1).
     let occlusion = texel(&material.occlusion_texture, Encoding::Linear).x;
     (attributes, 1.0 + f64::from(material.occlusion_strength) * (occlusion - 1.0))

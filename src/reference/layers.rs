@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::frame::{SNAP_PX, is_creased, is_torn};
+use super::edges::{SNAP_PX, is_creased, is_torn};
 use super::gbuffer;
 use super::view::{Ray, View};
 use super::visibility::{Hit, Visibility};

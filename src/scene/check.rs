@@ -4,8 +4,8 @@ use glam::Vec4;
 
 use super::world::{Kind, Listed, lengths};
 use super::{
-    AlphaMode, Background, Camera, Decal, Fog, Image, Instance, Light, Material, Mesh, Projection, Scene,
-    Texture,
+    AlphaMode, Background, Camera, Decal, Fog, Image, Instance, Light, Material, Mesh, Particles, Projection,
+    Scene, Texture,
 };
 use crate::{Error, Result};
 
@@ -36,6 +36,7 @@ impl Scene {
             .or_else(|| first(has, &self.textures, Checked::problem))
             .or_else(|| first(has, &self.lights, |_| None))
             .or_else(|| first(has, &self.decals, Checked::problem))
+            .or_else(|| first(has, &self.particles, Checked::problem))
             .or_else(|| first(has, &self.cameras, Checked::problem));
         match problem {
             Some((element, problem)) => Err(self.refused(&element, &problem)),
@@ -137,6 +138,12 @@ impl Checked for Decal {
     }
 }
 
+impl Checked for Particles {
+    fn problem(&self) -> Problem {
+        told(self.numbers_problem())
+    }
+}
+
 impl Checked for Camera {
     fn problem(&self) -> Problem {
         told(camera(self))
@@ -179,6 +186,8 @@ fn material(m: &Material) -> Option<&'static str> {
         || matches!(m.alpha_mode, AlphaMode::Mask { cutoff } if !cutoff.is_finite())
     {
         Some("the normal's scale or the alpha cutoff is not finite")
+    } else if let Some(problem) = m.transmission.as_ref().and_then(super::Transmission::problem) {
+        Some(problem)
     } else if !rows.into_iter().all(|row| row.is_finite()) {
         Some("a texture transform is not finite")
     } else {

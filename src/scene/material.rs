@@ -2,6 +2,8 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
+use super::Transmission;
+
 /// A surface as glTF 2.0 section 3.9 describes it.
 #[derive(Clone, Debug)]
 pub struct Material {
@@ -35,6 +37,8 @@ pub struct Material {
     pub double_sided: bool,
     /// KHR_materials_unlit: the base colour is shown as it is.
     pub unlit: bool,
+    /// Light goes through it; without effect where it is unlit.
+    pub transmission: Option<Transmission>,
 }
 
 impl Default for Material {
@@ -56,7 +60,20 @@ impl Default for Material {
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
             unlit: false,
+            transmission: None,
         }
+    }
+}
+
+impl Material {
+    /// The transmission, if any light goes through.
+    pub fn transmits(&self) -> Option<&Transmission> {
+        self.transmission.as_ref().filter(|t| t.factor > 0.0 && !self.unlit)
+    }
+
+    /// Whether something is seen behind it: it transmits, or is blended over that. It casts no shadow then.
+    pub fn shows_behind(&self) -> bool {
+        self.alpha_mode == AlphaMode::Blend || self.transmits().is_some()
     }
 }
 

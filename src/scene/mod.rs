@@ -15,8 +15,10 @@ mod lightmap;
 mod material;
 mod mesh;
 mod mipmaps;
+mod particles;
 mod probe;
 mod surroundings;
+mod transmission;
 mod world;
 
 pub use camera::{Camera, Projection};
@@ -31,8 +33,10 @@ pub use lightmap::{Lightmap, LightmapRect};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
 pub use mipmaps::{MipLevel, mip_level_count, mipmaps};
+pub use particles::{Particle, Particles};
 pub use probe::Probe;
 pub use surroundings::{Background, Fog, FogHeight};
+pub use transmission::Transmission;
 pub use world::{Changes, Element, Id, World};
 
 use glam::Vec3;
@@ -76,6 +80,8 @@ pub struct Scene {
     pub probes: Vec<Probe>,
     /// What is painted over surfaces.
     pub decals: Vec<Decal>,
+    /// Light without surfaces.
+    pub particles: Vec<Particles>,
     /// View points. [`Scene::load`] always gives at least one.
     pub cameras: Vec<Camera>,
     /// What the loader had to leave out or change, one sentence each.
@@ -106,9 +112,9 @@ impl Scene {
         self.instances.iter().filter(|i| self.is_drawn(i))
     }
 
-    /// Whether an instance's material is blended over what is behind it ([`AlphaMode::Blend`]).
+    /// Whether an instance's material shows what is behind it ([`Material::shows_behind`]).
     pub(crate) fn is_blended(&self, instance: &Instance) -> bool {
-        self.materials[self.meshes[instance.mesh].material].alpha_mode == AlphaMode::Blend
+        self.materials[self.meshes[instance.mesh].material].shows_behind()
     }
 
     /// Whether an instance has triangles to draw and is not hidden.

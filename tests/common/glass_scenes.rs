@@ -77,7 +77,7 @@ pub fn tinted(name: &str, base_color: Vec3, alpha: f32) -> Material {
 }
 
 /// [`square`] in four pieces: drivers warn of tiny draws.
-fn pane() -> Mesh {
+pub fn pane() -> Mesh {
     let mut mesh = Mesh::default();
     for (row, column) in (0..3_u32).flat_map(|row| (0..3).map(move |column| (row, column))) {
         mesh.positions.push(Vec3::new(column as f32 - 1.0, 1.0 - row as f32, 0.0));

@@ -20,6 +20,10 @@ pub mod shadow_scenes;
 
 #[path = "glass_scenes.rs"]
 pub mod glass_scenes;
+#[path = "media_scenes.rs"]
+pub mod media_scenes;
+#[path = "particle_scenes.rs"]
+pub mod particle_scenes;
 
 /// The scenes that the repository ships, loaded as the program does, in order of name.
 ///
@@ -108,6 +112,8 @@ pub fn built() -> Vec<Scene> {
     ];
     all.extend(environments::all());
     all.extend(glass_scenes::all());
+    all.extend(particle_scenes::all());
+    all.extend(media_scenes::all());
     all
 }
 

@@ -10,6 +10,7 @@ mod lights;
 mod materials;
 mod meshes;
 mod nodes;
+mod particles;
 mod samples;
 mod surroundings;
 

@@ -1,7 +1,7 @@
 //! Materials, textures, samplers, images, extensions.
 
 use ontile::glam::{Vec2, Vec3, Vec4};
-use ontile::scene::{AlphaMode, Sampler, TextureRef, Wrap};
+use ontile::scene::{AlphaMode, Sampler, TextureRef, Transmission, Wrap};
 use serde_json::json;
 
 use crate::F32_ROUNDING;
@@ -226,4 +226,35 @@ fn optional_extensions_warn_if_they_change_the_look() {
     assert!(about.len() == 1 && about[0].contains("KHR_materials_clearcoat"), "{about:?}");
     *file.at("/extensionsRequired") = json!(["KHR_materials_unlit", "KHR_texture_transform"]);
     file.load().unwrap();
+}
+
+#[test]
+fn transmission_volume_and_ior_are_read() {
+    let mut file = Gltf::triangle();
+    *file.at("/extensionsUsed") =
+        json!(["KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior"]);
+    let volume = json!({"thicknessFactor": 2, "attenuationColor": [0.2, 0.6, 1], "attenuationDistance": 0.5});
+    *file.at("/materials/0/extensions") = json!({
+        "KHR_materials_transmission": {"transmissionFactor": 0.75},
+        "KHR_materials_volume": volume,
+        "KHR_materials_ior": {"ior": 1.333},
+    });
+    let scene = file.load().unwrap();
+    let water = Transmission {
+        factor: 0.75,
+        ior: 1.333,
+        thickness_m: 2.0,
+        attenuation_color: Vec3::new(0.2, 0.6, 1.0),
+        attenuation_distance_m: 0.5,
+    };
+    assert_eq!(scene.materials[0].transmission, Some(water));
+    assert!(scene.warnings.iter().all(|w| !w.contains("extensions")), "{:?}", scene.warnings);
+
+    *file.at("/materials/0/extensions/KHR_materials_volume/attenuationDistance") = json!(0);
+    let error = file.load().unwrap_err().to_string();
+    assert!(error.contains("materials[0].extensions") && error.contains("attenuation distance"), "{error}");
+    *file.at("/materials/0/extensions") = json!({"KHR_materials_ior": {"ior": 1.333}});
+    let scene = file.load().unwrap();
+    assert!(scene.materials[0].transmission.is_none());
+    assert!(scene.warnings.iter().any(|w| w.contains("without KHR_materials_transmission")));
 }

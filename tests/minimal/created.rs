@@ -18,8 +18,9 @@ fn names<'a>(all: impl Iterator<Item = &'a str>) -> Names {
 }
 
 /// Buffers that every frame slot has of its own.
-const OF_A_SLOT: [&str; 9] = [
+const OF_A_SLOT: [&str; 10] = [
     "decals",
+    "particles",
     "volume caster instances",
     "frame",
     "instances",

@@ -4,11 +4,14 @@ use std::collections::BTreeSet;
 
 use super::common::render::on_device;
 use super::common::scenes::{one_lit_triangle, one_unlit_triangle};
+use joint::is_joint;
 use ontile::gpu::{ExplainedKind, Explanation};
 use ontile::plan::{Edges, Limits, Needs, Options, Path, Plan};
 use ontile::scene::Scene;
-use table::{Feature, LIT, OF_BOTH, OF_LIT, OF_UNLIT, UNLIT, is_joint};
+use table::{Feature, LIT, OF_BOTH, OF_LIT, OF_UNLIT, UNLIT};
 
+#[path = "joint.rs"]
+mod joint;
 #[path = "table.rs"]
 mod table;
 
@@ -38,6 +41,9 @@ pub fn objects(scene: &Scene, options: &Options) -> Objects {
             "decal",
             "fog",
             "blended surface",
+            "particles",
+            "medium",
+            "absorption",
         ];
         if pipeline.starts_with("light, where its shadow volumes are not") {
             return "shadowed light".to_owned();

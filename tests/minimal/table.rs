@@ -1,11 +1,11 @@
 //! What features cost: by hand, from what a renderer of that feature cannot do without.
 
 use super::super::common::environments;
-use super::listed;
 use ontile::glam::{DVec3, Mat4, Vec2, Vec3, Vec4};
 use ontile::scene::{
     AlphaMode, Background, Decal, DecalChannels, Fog, FogHeight, GlobeMap, GlobePicture, Image, Instance,
-    Light, LightKind, Lightmap, LightmapRect, Material, Mesh, Sampler, Scene, Shadow, Texture, TextureRef,
+    Light, LightKind, Lightmap, LightmapRect, Material, Mesh, Particle, Particles, Sampler, Scene, Shadow,
+    Texture, TextureRef, Transmission,
 };
 
 pub const UNLIT: &str = "attachment output, subpass geometry, pipeline surface unlit, surface unlit: attribute position, \
@@ -36,6 +36,26 @@ fn decal(scene: &mut Scene, channels: DecalChannels) {
     let material = scene.materials.len();
     scene.materials.push(Material { name: "paint".into(), ..Material::default() });
     scene.decals.push(Decal { name: "spot".into(), channels, ..Decal::new(material, Mat4::IDENTITY) });
+}
+
+const MEDIUM: &str = "attachment depth_test, subpass media, buffer media, pipeline absorption, absorption: attribute position, \
+                      absorption: attribute normal, absorption: binding frame, absorption: binding instances, \
+                      absorption: binding material, absorption: binding medium, absorption: input depth_test, \
+                      absorption: HAS_BEHIND, absorption: ABSORBS, pipeline medium, medium: attribute position, \
+                      medium: attribute normal, medium: binding frame, medium: binding instances, medium: binding material, \
+                      medium: binding medium, medium: binding lights, medium: HAS_DIRECTIONAL";
+
+const SPARKS: &str = "subpass particles, pipeline particles, particles: binding frame, particles: binding particles, \
+                      particles: binding material, particles: HAS_BEHIND, particles: input depth_test, \
+                      attachment depth_test, buffer particles";
+
+fn particles(scene: &mut Scene, textured: bool) {
+    let material = scene.materials.len();
+    let emissive_texture = if textured { picture(scene) } else { None };
+    let emissive_factor = Vec3::ONE;
+    scene.materials.push(Material { emissive_factor, emissive_texture, ..Material::default() });
+    let spark = Particle { position_world: Vec3::ZERO, size_m: 1.0, rotation_rad: 0.0, color: Vec3::ONE };
+    scene.particles.push(Particles { name: "sparks".into(), ..Particles::new(material, 0.1, vec![spark]) });
 }
 
 /// Something that a scene may have.
@@ -379,69 +399,21 @@ pub const OF_LIT: &[Feature] = &[
           blended surface: UNLIT, blended surface: BLEND, blended surface: LIGHT_TARGET",
         ],
     ),
+    summed(
+        "light that goes through a neighbour",
+        |s| {
+            let transmission =
+                Some(Transmission { factor: 0.5, thickness_m: 1.0, ..Transmission::default() });
+            neighbour(s, Material { transmission, name: "water".into(), ..Material::default() });
+            s.instances
+                .push(Instance::new(s.meshes.len() - 1, Mat4::from_translation(Vec3::new(0.2, 1.0, -0.5))));
+        },
+        &[SUMMED, MEDIUM],
+    ),
+    summed("particles", |s| particles(s, false), &[SUMMED, SPARKS]),
+    summed(
+        "particles with a texture",
+        |s| particles(s, true),
+        &[SUMMED, SPARKS, "particles: binding textures, particles: SLOT_EMISSIVE, image picture"],
+    ),
 ];
-
-/// What two features bring that neither has by itself.
-struct Joint {
-    /// Beginnings of the one's name, and of the other's; none is any.
-    of: [&'static [&'static str]; 2],
-    /// Beginnings of what they bring together.
-    objects: &'static str,
-}
-
-const AROUND: &[&str] = &["ambient light", "an environment", "probes"];
-const SUMMING: &[&str] = &[
-    "emission",
-    "ambient light",
-    "an environment",
-    "probes",
-    "a lightmap",
-    "an unlit neighbour",
-    "a blended neighbour",
-    "a shadow volume",
-];
-const SHADOWED: &str = "lighting: binding shadow, lighting: SHADOWS, image shadow map, buffer shadow views, buffer casters, \
-                        pipeline shadow, shadow caster:";
-
-const JOINT: &[Joint] = &[
-    // An array of two.
-    Joint { of: [&[], &[]], objects: "surface lit: TEXTURE_COUNT, surface unlit: TEXTURE_COUNT" },
-    // One has a texture, the other makes it needed.
-    Joint {
-        of: [&["occlusion without"], AROUND],
-        objects: "image picture, surface lit: attribute texture coordinates, surface lit: binding textures, surface lit: SLOT_OCCLUSION",
-    },
-    Joint {
-        of: [&["emissive texture without"], &["emission"]],
-        objects: "image picture, surface lit: attribute texture coordinates, surface lit: binding textures, surface lit: SLOT_EMISSIVE",
-    },
-    // There is something for the shadow to fall on.
-    Joint { of: [&["a shadow on nothing"], &["second triangle", "an unlit neighbour"]], objects: SHADOWED },
-    // What has no volume is in a map.
-    Joint { of: [&["a shadow volume"], &["light from behind", "a blended neighbour"]], objects: SHADOWED },
-    Joint { of: [&["a shadow volume"], &["light from behind"]], objects: "attachment depth_test" },
-    // What is summed is fogged, and tells surfaces from background, afterwards.
-    Joint { of: [&["fog"], SUMMING], objects: "tonemap: FOG, tonemap: input depth" },
-    Joint { of: [&["background colour"], SUMMING], objects: "tonemap: BACKGROUND" },
-    // What is fogged before something is blended over it; and the part of a colour that it covers.
-    Joint { of: [&["fog"], &["a blended neighbour"]], objects: "pipeline fog, fog:, blended surface: FOG" },
-    Joint { of: [&["background colour"], &["a blended neighbour"]], objects: "tonemap: TRANSLUCENCY" },
-    // Beyond the boxes.
-    // Lighting adds light from all around on what decals have painted.
-    Joint {
-        of: [&["a colour decal", "a decal"], AROUND],
-        objects: "lighting: AMBIENT, lighting: ENVIRONMENT, lighting: PROBES, lighting: HAS_ENVIRONMENT, lighting: binding, \
-          attachment occlusion, lighting: OCCLUSION_TARGET, lighting: input occlusion, surface lit: OCCLUSION_TARGET",
-    },
-    Joint { of: [&["an environment"], &["probes"]], objects: "surface lit: HAS_ENVIRONMENT" },
-];
-
-/// Whether two features may bring this together.
-pub fn is_joint(features: [&Feature; 2], object: &str) -> bool {
-    let begins = |text: &str, all: &[&str]| all.is_empty() || all.iter().any(|begin| text.starts_with(begin));
-    let [a, b] = features.map(|feature| feature.name);
-    JOINT.iter().filter(|joint| listed(joint.objects).any(|begin| object.starts_with(&begin))).any(|joint| {
-        let [one, other] = joint.of;
-        (begins(a, one) && begins(b, other)) || (begins(b, one) && begins(a, other))
-    })
-}

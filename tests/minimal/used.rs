@@ -8,7 +8,7 @@ use super::features::objects;
 use ontile::glam::Vec3;
 use ontile::gpu::{ExplainedKind, Explanation};
 use ontile::plan::{Needs, Options, Plan};
-use ontile::scene::{AlphaMode, Background, Decal, LightKind, Material, Mesh, Scene, TextureRef};
+use ontile::scene::{AlphaMode, Background, Decal, LightKind, Material, Mesh, Particles, Scene, TextureRef};
 
 /// Meshes that are drawn, with their materials.
 fn drawn(scene: &Scene) -> impl Iterator<Item = (&Mesh, &Material)> {
@@ -20,6 +20,12 @@ fn drawn(scene: &Scene) -> impl Iterator<Item = (&Mesh, &Material)> {
 fn painted(scene: &Scene) -> impl Iterator<Item = (&Decal, &Material)> {
     let all = scene.decals.iter().map(|decal| (decal, &scene.materials[decal.material]));
     all.filter(|(decal, material)| decal.paints(material))
+}
+
+/// Particles of which something is seen, with their materials.
+fn shone(scene: &Scene) -> impl Iterator<Item = (&Particles, &Material)> {
+    let all = scene.particles.iter().map(|particles| (particles, &scene.materials[particles.material]));
+    all.filter(|(particles, material)| particles.shine(material))
 }
 
 fn has_sky_light(scene: &Scene) -> bool {
@@ -56,10 +62,14 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
     };
     let is_drawn = any(&|_, _| true);
     let lit = any(&|_, material| !material.unlit);
-    let is_blended = |material: &Material| material.alpha_mode == AlphaMode::Blend;
+    let is_medium = |material: &Material| material.transmits().is_some();
+    let is_blended = |material: &Material| material.alpha_mode == AlphaMode::Blend && !is_medium(material);
+    let media = any(&|_, material| is_medium(material));
     let blended = any(&|_, material| is_blended(material));
-    let lit_opaque = any(&|_, material| !material.unlit && !is_blended(material));
-    let unlit = any(&|_, material| material.unlit && !is_blended(material));
+    let sparks = shone(scene).next().is_some();
+    let over = blended || sparks || media;
+    let lit_opaque = any(&|_, material| !material.unlit && !material.shows_behind());
+    let unlit = any(&|_, material| material.unlit && !material.shows_behind());
     let slot = |slot: usize| any(&|mesh, material| textures(scene, mesh, material)[slot].is_some());
     let texture = |wanted: fn(&TextureRef) -> bool| {
         any(&|mesh, material| textures(scene, mesh, material).iter().flatten().any(wanted))
@@ -77,9 +87,9 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
     });
     let lights = directional || local || hemisphere;
     let triangles: usize = drawn(scene).map(|(mesh, _)| mesh.indices.len() / 3).sum();
-    let opaque = drawn(scene).filter(|(_, material)| !is_blended(material));
+    let opaque = drawn(scene).filter(|(_, material)| !material.shows_behind());
     let opaque: usize = opaque.map(|(mesh, _)| mesh.indices.len() / 3).sum();
-    let hides = opaque > 1 || (opaque == 1 && blended);
+    let hides = opaque > 1 || (opaque == 1 && over);
     let shadow = opaque > 0 && triangles > 1 && shining().any(|light| light.shadow.is_some());
     let moves = scene.instances.iter().any(|instance| instance.dynamic);
     let globe = shining().any(|light| light.globe_map.is_some());
@@ -89,7 +99,7 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
     let probes = lit && !scene.probes.is_empty();
     let lightmap = lit && scene.lightmap.is_some() && scene.instances.iter().any(|i| i.lightmap.is_some());
     let deferred = lit_opaque && lights;
-    let summed = blended || (deferred && (glows || unlit || around || lightmap || sky));
+    let summed = over || (deferred && (glows || unlit || around || lightmap || sky));
     let paints = |channel: fn(&Decal, &Material) -> bool| lit && painted(scene).any(|(d, m)| channel(d, m));
     let decals = paints(|_, _| true);
     let color = matches!(scene.background, Background::Color(_));
@@ -118,12 +128,12 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("blended surface: binding light lists", local),
         ("blended surface: binding shadow", shadow),
         ("blended surface: FOG", fog),
-        ("pipeline fog", fog && blended && deferred),
-        ("fog:", fog && blended && deferred),
+        ("pipeline fog", fog && over && deferred),
+        ("fog:", fog && over && deferred),
         ("pipeline shadow", shadow),
         ("pipeline shadow compose", shadow && moves),
         ("surface unlit:", unlit),
-        ("surface unlit: UNLIT", unlit && (lit || blended)),
+        ("surface unlit: UNLIT", unlit && (lit || over)),
         ("surface unlit: binding radiance", false),
         ("surface unlit: attribute normal", false),
         ("surface unlit: attribute tangent", false),
@@ -185,14 +195,38 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("lighting: FOG", fog && !summed),
         ("lighting: BACKGROUND", color && !summed),
         ("tonemap:", summed),
-        ("tonemap: input depth", fog && !blended),
-        ("tonemap: FOG", fog && !blended),
+        ("tonemap: input depth", fog && !over),
+        ("tonemap: FOG", fog && !over),
         ("tonemap: BACKGROUND", color),
-        ("tonemap: TRANSLUCENCY", blended && color),
+        ("tonemap: TRANSLUCENCY", over && color),
         ("sky:", sky),
         ("sky: PROBES", probes),
         ("sky: LIGHT_TARGET", summed),
         ("shadow c", shadow),
+        ("subpass fog", fog && deferred && (media || sparks && !blended)),
+        ("subpass media", media),
+        ("pipeline medium", media),
+        ("medium:", media),
+        ("medium: binding lights", media && (directional || local)),
+        ("medium: binding light lists", media && local),
+        ("medium: binding shadow", media && shadow),
+        ("medium: FOG", media && fog),
+        ("medium: input depth", media && fog && opaque > 0),
+        ("medium: HAS_BEHIND", media && fog && opaque > 0),
+        ("pipeline absorption", media),
+        ("absorption:", media),
+        ("absorption: input depth", media && opaque > 0),
+        ("absorption: HAS_BEHIND", media && opaque > 0),
+        ("buffer media", media),
+        ("subpass particles", sparks),
+        ("pipeline particles", sparks),
+        ("buffer particles", sparks),
+        ("particles:", sparks),
+        ("particles: HAS_BEHIND", sparks && opaque > 0),
+        ("particles: BEHIND_OPAQUE", false),
+        ("particles: binding textures", shone(scene).any(|(_, m)| m.emissive_texture.is_some())),
+        ("particles: SLOT_EMISSIVE", shone(scene).any(|(_, m)| m.emissive_texture.is_some())),
+        ("particles: FOG", sparks && fog),
         ("decal:", decals),
         ("decal: binding textures", paints(|d, m| d.textures(m).iter().any(Option::is_some))),
         ("decal: SLOT_BASE_COLOR", paints(|d, m| d.textures(m)[0].is_some())),
@@ -209,7 +243,12 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("subpass decals", decals),
         ("pipeline decal", decals),
         ("buffer decals", decals),
-        ("image ", textured || paints(|d, m| d.textures(m).iter().any(Option::is_some))),
+        (
+            "image ",
+            textured
+                || shone(scene).any(|(_, m)| m.emissive_texture.is_some())
+                || paints(|d, m| d.textures(m).iter().any(Option::is_some)),
+        ),
         ("image split sum", around),
         ("image radiance", environment || probes || sky),
         ("image lightmap", lightmap),
@@ -218,9 +257,9 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("image static shadow map", shadow && moves),
         ("buffer vertices", is_drawn),
         ("buffer indices", is_drawn),
-        ("buffer materials", is_drawn),
+        ("buffer materials", is_drawn || sparks),
         ("buffer instances", is_drawn),
-        ("buffer frame", is_drawn || sky),
+        ("buffer frame", is_drawn || sky || sparks),
         ("buffer lights", directional || local),
         ("buffer light lists", local),
         ("buffer lightmap parts", lightmap),
@@ -244,6 +283,9 @@ fn pictures(scene: &Scene) -> BTreeMap<String, usize> {
         for (slot, texture) in decal.textures(material).into_iter().enumerate() {
             used.extend(texture.map(|texture| (scene.textures[texture.texture].image, slot == 0)));
         }
+    }
+    for (_, material) in shone(scene) {
+        used.extend(material.emissive_texture.map(|t| (scene.textures[t.texture].image, true)));
     }
     let mut names = BTreeMap::new();
     used.iter().for_each(|(image, _)| *names.entry(scene.images[*image].name.clone()).or_default() += 1);

@@ -15,6 +15,8 @@ mod gbuffer;
 mod gpu;
 mod layouts;
 mod light_scenes;
+mod media;
+mod particles;
 mod quantised;
 mod scenes;
 mod surroundings;

@@ -2,13 +2,13 @@
 
 use ontile::gpu::shared::{
     ClusterGrid, DecalData, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush,
-    MaterialData, ProbeData, ShadowPush, ShadowViewData, VolumePush,
+    MaterialData, MediumData, ParticleData, ProbeData, ShadowPush, ShadowViewData, VolumePush,
 };
 
 use crate::reflect::{Block, block};
 
 /// Each, as Rust lays it out.
-pub fn blocks() -> [Block; 12] {
+pub fn blocks() -> [Block; 14] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -54,7 +54,11 @@ pub fn blocks() -> [Block; 12] {
                 globe_map,
             }
         ),
+        block!("Medium" = MediumData { absorption_per_m, thickness_m, factor, f0, padding }),
         block!("LightPush" = LightPush { light }),
+        block!(
+            "Particle" = ParticleData { center_world, inverse_soft, color, padding, half_axis, padding_2 }
+        ),
         block!(
             "VolumePush" =
                 VolumePush { light, first_place, first_triangle, first_edge, edge_vertices, turned, unused }

@@ -285,7 +285,10 @@ impl Reflection {
         let (mut used, mut problems) = (BTreeSet::new(), Vec::new());
         let has = |wanted: fn(&str) -> bool| self.variables().iter().any(|(name, ..)| wanted(name));
         let has_material = has(|name| name == "material");
-        let reads_others = has(|name| name.starts_with("input_") && !name.starts_with("input_layer_"));
+        // What surfaces and particles read of depth is after their material, as layers are.
+        let reads_behind = self.specialisation_ids().iter().any(|(name, _)| name == "HAS_BEHIND");
+        let reads_others =
+            !reads_behind && has(|name| name.starts_with("input_") && !name.starts_with("input_layer_"));
         let mut compare = |of: &str, what: &str, found: Option<u32>, name: String| {
             if found.is_none() || numbers.get(&name) != found.as_ref() {
                 problems.push(format!("{of}: {what} {found:?}, but {name} is {:?}", numbers.get(&name)));
@@ -312,7 +315,7 @@ impl Reflection {
                 StorageClass::UniformConstant => match upper("input_") {
                     Some(input) => {
                         let input = format!("INPUT_{input}");
-                        let of_surfaces = input.starts_with("INPUT_LAYER_") && has_material;
+                        let of_surfaces = (reads_behind || input.starts_with("INPUT_LAYER_")) && has_material;
                         resource(if of_surfaces { "SET_LAYERS" } else { "SET_INPUTS" }, input.clone());
                         // Later passes sample what was an input.
                         let index = decoration(Decoration::InputAttachmentIndex);

@@ -1,6 +1,6 @@
 //! A writer of binary glTF 2.0: one JSON chunk, one BIN chunk, keys in a fixed order.
 
-pub use super::model::{Light, LightKind, Material, Pose, Slot};
+pub use super::model::{Light, LightKind, Material, Medium, Pose, Slot};
 
 use super::mesh::Mesh;
 use super::texture::{Encoded, Mime, Surface};
@@ -84,6 +84,17 @@ impl Glb {
             let strength = json!({"emissiveStrength": number(m.emissive_strength)});
             extensions.insert(self.uses("KHR_materials_emissive_strength"), strength);
         }
+        if let Some(medium) = m.medium {
+            let transmission = json!({"transmissionFactor": number(medium.transmission)});
+            extensions.insert(self.uses("KHR_materials_transmission"), transmission);
+            extensions.insert(self.uses("KHR_materials_ior"), json!({"ior": number(medium.ior)}));
+            let volume = json!({
+                "thicknessFactor": number(medium.thickness_m),
+                "attenuationColor": numbers(medium.color.to_array()),
+                "attenuationDistance": number(medium.distance_m),
+            });
+            extensions.insert(self.uses("KHR_materials_volume"), volume);
+        }
         if m.unlit {
             extensions.insert(self.uses("KHR_materials_unlit"), json!({}));
         }
@@ -163,6 +174,28 @@ impl Glb {
         let primitive = |(geometry, material): &(&Geometry, usize)| json!({"attributes": geometry.attributes, "indices": geometry.indices, "material": material});
         let primitives: Vec<_> = primitives.iter().map(primitive).collect();
         self.add("meshes", json!({"name": name, "primitives": primitives}))
+    }
+
+    /// Adds a mesh of points, each with a linear colour from 0 to 1, a size and a rotation in radians, for [`Self::extras`] to make
+    /// particles of.
+    pub fn points(&mut self, name: &str, points: &[(Vec3, Vec3, f32, f32)], material: usize) -> usize {
+        let mut list = |width: u32, floats: Vec<f32>| {
+            let bytes: Vec<u8> = floats.into_iter().flat_map(f32::to_le_bytes).collect();
+            self.accessor(&bytes, width as usize * 4, 5126, if width == 1 { "SCALAR" } else { "VEC3" })
+        };
+        let positions = list(3, points.iter().flat_map(|p| p.0.to_array()).collect());
+        let colors = list(3, points.iter().flat_map(|p| p.1.to_array()).collect());
+        let sizes = list(1, points.iter().map(|p| p.2).collect());
+        let rotations = list(1, points.iter().map(|p| p.3).collect());
+        let low = points.iter().map(|p| p.0).fold(Vec3::INFINITY, Vec3::min);
+        let high = points.iter().map(|p| p.0).fold(Vec3::NEG_INFINITY, Vec3::max);
+        let accessor = &mut self.lists.get_mut("accessors").expect("just added")[positions];
+        accessor["min"] = json!(low.to_array());
+        accessor["max"] = json!(high.to_array());
+        let attributes =
+            json!({"POSITION": positions, "COLOR_0": colors, "_SIZE": sizes, "_ROTATION": rotations});
+        let primitive = json!({"attributes": attributes, "mode": 0, "material": material});
+        self.add("meshes", json!({"name": name, "primitives": [primitive]}))
     }
 
     /// Places a mesh.

@@ -16,6 +16,7 @@ mod lamps;
 mod mesh;
 mod model;
 mod noise;
+mod pool;
 mod program;
 mod shape;
 mod stop;

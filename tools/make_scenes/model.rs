@@ -39,8 +39,21 @@ pub struct Material {
     /// Blended over what is behind, as much of it as this says.
     pub blend_alpha: Option<f32>,
     pub double_sided: bool,
+    /// KHR_materials_transmission, with KHR_materials_volume and KHR_materials_ior.
+    pub medium: Option<Medium>,
     /// KHR_materials_unlit.
     pub unlit: bool,
+}
+
+/// What light goes through.
+#[derive(Clone, Copy)]
+pub struct Medium {
+    pub transmission: f32,
+    pub ior: f32,
+    pub thickness_m: f32,
+    /// What is left of white light after `distance_m`.
+    pub color: Vec3,
+    pub distance_m: f32,
 }
 
 impl Default for Material {
@@ -61,6 +74,7 @@ impl Default for Material {
             alpha_cutoff: None,
             blend_alpha: None,
             double_sided: false,
+            medium: None,
             unlit: false,
         }
     }

@@ -1,6 +1,6 @@
 //! The command line: which scenes are made, and whether they are written or compared.
 
-use super::{bench, canyon, chapel, courtyard, decals, glass, grid, interior, lamps, stop, unlit};
+use super::{bench, canyon, chapel, courtyard, decals, glass, grid, interior, lamps, pool, stop, unlit};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::fs;
 use std::io::ErrorKind;
@@ -75,6 +75,8 @@ pub enum Shipped {
     Lamps,
     /// A tram stop at dusk: everything at once
     Stop,
+    /// A pool of water beside a fire, with steam and sparks
+    Pool,
     /// A poster and solids that no light touches
     Unlit,
 }
@@ -91,6 +93,7 @@ impl Shipped {
             Self::Interior => "interior.glb",
             Self::Lamps => "lamps.glb",
             Self::Stop => "stop.glb",
+            Self::Pool => "pool.glb",
             Self::Unlit => "unlit.glb",
         }
     }
@@ -106,6 +109,7 @@ impl Shipped {
             Self::Interior => interior::glb(),
             Self::Lamps => lamps::glb(),
             Self::Stop => stop::glb(),
+            Self::Pool => pool::glb(),
             Self::Unlit => unlit::glb(),
         }
     }

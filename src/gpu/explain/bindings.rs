@@ -46,12 +46,13 @@ impl Elements<'_> {
         if set != SET_FRAME {
             return match found {
                 Some((stage, Pipeline::Decal(_))) if set == SET_INPUTS => self.input(*stage, binding),
-                Some((stage, pipeline))
-                    if pipeline.is_of_blended() && set == const { shared("SET_LAYERS") } =>
-                {
+                Some((stage, _)) if self.reads_both(pipeline) && set == const { shared("SET_LAYERS") } => {
                     self.input(*stage, binding)
                 }
                 Some((stage, pipeline)) if pipeline.reads_attachments() => self.input(*stage, binding),
+                _ if binding == const { shared("BINDING_MEDIUM") } => {
+                    ("medium".into(), format!("{element} lets light through"))
+                }
                 _ if binding == MATERIAL => ("material".into(), format!("factors of {element}")),
                 _ => {
                     let slots = found.map_or_else(Vec::new, |(_, pipeline)| slots(pipeline));
@@ -73,6 +74,7 @@ impl Elements<'_> {
             b if b == const { shared("BINDING_VOLUMES") } => {
                 ("volumes", format!("{} is drawn as a volume", self.light(is_local)))
             }
+            b if b == const { shared("BINDING_PARTICLES") } => ("particles", format!("{element} shine")),
             b if b == const { shared("BINDING_DECALS") } => ("decals", format!("{element} is painted")),
             b if b == const { shared("BINDING_SHADOW_VIEWS") } => ("shadow views", self.shadow_lights()),
             b if b == const { shared("BINDING_SHADOW_MAP") } => ("shadow map", self.shadow_lights()),
@@ -98,6 +100,12 @@ impl Elements<'_> {
         (name.into(), why)
     }
 
+    /// Whether the n-th pipeline has input attachments beside a material.
+    fn reads_both(&self, pipeline: usize) -> bool {
+        let found = self.plan.pipelines.get(pipeline);
+        found.is_some_and(|(_, p)| p.is_of_blended() || matches!(p, Pipeline::Particles(_)))
+    }
+
     pub(super) fn globe_light(&self) -> String {
         self.light(|light| light.shown_globe_map().is_some()) + " shines through a picture"
     }
@@ -116,8 +124,11 @@ impl Elements<'_> {
 /// The texture slots of what a pipeline draws.
 fn slots(pipeline: &Pipeline) -> Vec<&'static str> {
     let kind = match pipeline {
-        Pipeline::Surface(kind) | Pipeline::Light(kind) | Pipeline::Depth(kind) => *kind,
+        Pipeline::Surface(kind) | Pipeline::Absorb(kind) | Pipeline::Light(kind) | Pipeline::Depth(kind) => {
+            *kind
+        }
         Pipeline::Decal(kind) => kind.surface(),
+        Pipeline::Particles(kind) => kind.surface(),
         _ => return Vec::new(),
     };
     SLOTS.iter().enumerate().filter(|(slot, _)| kind.samples(*slot)).map(|(_, name)| *name).collect()

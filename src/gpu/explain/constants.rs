@@ -49,9 +49,12 @@ impl Elements<'_> {
             "COLLECTED" | "LAYER_COUNT" => format!("the option translucency is {}", options.translucency),
             "LAYER_PAIRS" => format!("layers have the words of the G-buffer {}", options.layout),
             "BEHIND_OPAQUE" => format!("the G-buffer {} has depth in the depth attachment", options.layout),
+            "HAS_BEHIND" => format!("{element} fade in front of what is opaque"),
+            "ABSORBS" => format!("{element} lets through a part of what is behind it"),
             "BLEND" => is("blended over what is behind it"),
             "TRANSLUCENCY" => {
-                self.plan.needs.blended.iter().map(|b| format!("{b} covers the background in part")).collect()
+                let over = self.plan.needs.over_light();
+                over.map(|first| format!("{first} leaves a part of the background")).unwrap_or_default()
             }
             "HAS_DIRECTIONAL" => by(|kind| matches!(kind, LightKind::Directional { .. })),
             "HAS_POINT" => by(|kind| matches!(kind, LightKind::Point { .. })),

@@ -6,7 +6,7 @@ use super::super::pipeline::PipelineParts;
 use super::super::shader::shared;
 use super::elements::{Elements, is_local};
 use crate::Result;
-use crate::plan::{DecalKind, SLOTS, SceneKinds, SurfaceKind, element};
+use crate::plan::{DecalKind, ParticleKind, Pipeline, SLOTS, SceneKinds, SurfaceKind, element};
 
 impl Elements<'_> {
     /// Pipelines that tiles of the shadow map begin with.
@@ -52,6 +52,16 @@ impl Elements<'_> {
                 pictures.entry(key).or_insert_with(why);
             }
         }
+        for particles in &scene.particles {
+            let index = particles.material;
+            let material = &scene.materials[index];
+            let shown = ParticleKind::new(scene, particles).and(material.emissive_texture);
+            if let Some(texture) = shown {
+                let key = (scene.textures[texture.texture].image, true);
+                let why = || format!("emissive of {}", element("material", &material.name, index));
+                pictures.entry(key).or_insert_with(why);
+            }
+        }
         let pictures = pictures.into_iter().map(|((image, _), why)| (scene.images[image].name.clone(), why));
         let mut images: Vec<_> = pictures.collect();
         // What a plan calls by one word has two on the device.
@@ -75,15 +85,23 @@ impl Elements<'_> {
         let reads = |set: u32, binding: u32| of_plan.iter().any(|p| p.bindings.contains_key(&(set, binding)));
         let frame = |binding| reads(set_frame, binding);
         let first = plan.needs.kinds.first().map_or_else(String::new, |need| need.why.clone());
+        let sparks = plan.needs.particles.first().map_or_else(String::new, |need| need.why.clone());
         let drawn = !plan.needs.kinds.is_empty();
         let materials = const { (shared("SET_MATERIAL"), shared("BINDING_MATERIAL")) };
-        let is_surface = |index: usize| plan.pipelines[index].1.is_of_surfaces();
+        let is_surface = |index: usize| {
+            let pipeline = &plan.pipelines[index].1;
+            pipeline.is_of_surfaces() || matches!(pipeline, Pipeline::Particles(_))
+        };
         let has_materials =
             (0..of_plan.len()).any(|i| is_surface(i) && of_plan[i].bindings.contains_key(&materials));
         let all = [
             (drawn, "vertices", format!("{first} is drawn")),
             (drawn, "indices", format!("{first} is drawn")),
-            (has_materials, "materials", format!("factors of {first}")),
+            (
+                has_materials,
+                "materials",
+                format!("factors of {}", if drawn { first.clone() } else { sparks.clone() }),
+            ),
             (!plan.pipelines.is_empty(), "frame", "camera and exposure of the frame".into()),
             (drawn, "instances", format!("{first} is placed")),
             (frame(const { shared("BINDING_LIGHTS") }), "lights", self.light(|_| true)),
@@ -103,6 +121,12 @@ impl Elements<'_> {
                 plan.decal_way.is_some(),
                 "decals",
                 plan.needs.decals.first().map_or_else(String::new, |need| format!("{} is painted", need.why)),
+            ),
+            (!plan.needs.particles.is_empty(), "particles", format!("{sparks} shine")),
+            (
+                plan.needs.transmits.is_some(),
+                "media",
+                format!("{} lets light through", plan.needs.transmits.as_deref().unwrap_or_default()),
             ),
             (plan.shadow_map.is_some(), "casters", self.shadow_lights()),
         ];

@@ -55,7 +55,7 @@ impl<'a> Elements<'a> {
                 .unwrap_or_default();
         };
         match &pipeline.per_pixel() {
-            Pipeline::Surface(kind) => self.need(|need| need.kind == *kind),
+            Pipeline::Surface(kind) | Pipeline::Absorb(kind) => self.need(|need| need.kind == *kind),
             Pipeline::Depth(kind) => self.need(|need| need.kind.depth() == *kind),
             Pipeline::Light(kind) => self.need(|need| need.kind == *kind),
             Pipeline::Sky => format!("the background is environment '{}'", self.environment()),
@@ -77,14 +77,19 @@ impl<'a> Elements<'a> {
                 need.map_or_else(String::new, |need| need.why.clone())
             }
             Pipeline::Peel { kind, .. } => self.need(|need| need.kind.blend && need.kind.depth() == *kind),
+            Pipeline::Particles(kind) => {
+                let need = plan.needs.particles.iter().find(|need| need.kind == *kind);
+                need.map_or_else(String::new, |need| need.why.clone())
+            }
             Pipeline::Composite => plan.subpass(*stage).2.why.clone(),
             Pipeline::Edges => {
                 format!("{} samples a pixel: those of edges are lit one by one", plan.options.samples)
             }
             Pipeline::EdgeLighting | Pipeline::EdgeVolume(_) => String::new(),
             Pipeline::Fog => {
-                let blended = plan.needs.blended.as_deref().unwrap_or_default();
-                format!("the scene has fog, and {blended} is blended over what is in it")
+                let over = plan.needs.over_light().map(String::as_str).unwrap_or_default();
+                let lies = if plan.needs.blended.is_some() { "is blended over" } else { "add to" };
+                format!("the scene has fog, and {over} {lies} what is in it")
             }
             Pipeline::Tonemap => plan.subpass(*stage).2.why.clone(),
         }

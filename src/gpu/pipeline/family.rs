@@ -37,7 +37,12 @@ pub(in crate::gpu) enum Push {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::gpu) enum SecondSet {
     /// `SET_MATERIAL`: a material with this many textures.
-    Material { textures: u32 },
+    Material {
+        /// How many.
+        textures: u32,
+        /// Whether a block says what fills the space behind.
+        medium: bool,
+    },
     /// `SET_INPUTS`: this many input attachments.
     Inputs {
         /// How many.
@@ -68,9 +73,10 @@ const VOLUMES: u32 = shared("BINDING_VOLUMES");
 const DECALS: u32 = shared("BINDING_DECALS");
 const CASTERS: u32 = shared("BINDING_CASTERS");
 const CASTER_INSTANCES: u32 = shared("BINDING_CASTER_INSTANCES");
+const PARTICLES: u32 = shared("BINDING_PARTICLES");
 
 /// Type and readers of each binding of `SET_FRAME`.
-const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 17] = {
+const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 18] = {
     use vk::{DescriptorType as T, ShaderStageFlags as S};
     let both = S::from_raw(S::VERTEX.as_raw() | S::FRAGMENT.as_raw());
     [
@@ -91,6 +97,7 @@ const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 17] = {
         (DECALS, T::STORAGE_BUFFER, both),
         (CASTERS, T::STORAGE_BUFFER, S::VERTEX),
         (CASTER_INSTANCES, T::STORAGE_BUFFER, S::VERTEX),
+        (PARTICLES, T::STORAGE_BUFFER, S::VERTEX),
     ]
 };
 
@@ -119,8 +126,9 @@ impl Family {
             Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog | Pipeline::Edges => {
                 Vec::new()
             }
-            Pipeline::Peel { .. } | Pipeline::Composite => Vec::new(),
+            Pipeline::Peel { .. } | Pipeline::Composite | Pipeline::Absorb(_) => Vec::new(),
             Pipeline::Decal(_) => vec![DECALS],
+            Pipeline::Particles(_) => vec![PARTICLES],
             Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
             Pipeline::Surface(_)
             | Pipeline::Light(_)
@@ -155,8 +163,14 @@ impl Family {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
             Pipeline::LightMask(_) | Pipeline::ShadowVolume | Pipeline::Sky => SecondSet::Nothing,
             Pipeline::Peel { .. } if plan.subpass(stage).2.inputs.is_empty() => SecondSet::Nothing,
-            Pipeline::Surface(kind) | Pipeline::Depth(kind) | Pipeline::Light(kind) => {
-                SecondSet::Material { textures: kind.textures.count_ones() }
+            Pipeline::Surface(kind)
+            | Pipeline::Depth(kind)
+            | Pipeline::Light(kind)
+            | Pipeline::Absorb(kind) => {
+                SecondSet::Material { textures: kind.textures.count_ones(), medium: kind.transmits }
+            }
+            Pipeline::Particles(kind) => {
+                SecondSet::Material { textures: u32::from(kind.texture), medium: false }
             }
             Pipeline::Lighting
             | Pipeline::LightVolume(_)
@@ -183,8 +197,11 @@ impl Family {
             _ => None,
         };
         let subpass = plan.subpass(stage).2;
-        let layers =
-            if pipeline.is_of_blended() && subpass.ordered { subpass.inputs.len() as u32 } else { 0 };
+        let collects = pipeline.is_of_blended() && subpass.ordered;
+        let reads_both = collects
+            || matches!(pipeline, Pipeline::Particles(_) | Pipeline::Absorb(_))
+            || matches!(pipeline, Pipeline::Surface(kind) if kind.transmits && plan.needs.fog.is_some());
+        let layers = if reads_both { subpass.inputs.len() as u32 } else { 0 };
         let frame = frame.fold(0, |bits, binding| bits | 1 << binding);
         Self { frame, second, push, decal_textures, layers }
     }
@@ -229,15 +246,16 @@ impl Family {
     /// The bindings of `SET_FRAME`, of the second set, and of a third: a decal's material, or `SET_LAYERS`.
     pub(super) fn sets(self) -> [Vec<Binding>; 3] {
         use vk::{DescriptorType as T, ShaderStageFlags as S};
-        let material = |textures: u32| -> Vec<Binding> {
+        let material = |textures: u32, medium: bool| -> Vec<Binding> {
             let numbers = (const { shared("BINDING_MATERIAL") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
             let images = const { shared("BINDING_TEXTURES") };
             let images = (textures > 0).then_some((images, T::COMBINED_IMAGE_SAMPLER, textures, S::FRAGMENT));
-            std::iter::once(numbers).chain(images).collect()
+            let block = (const { shared("BINDING_MEDIUM") }, T::UNIFORM_BUFFER, 1, S::FRAGMENT);
+            std::iter::once(numbers).chain(images).chain(medium.then_some(block)).collect()
         };
         let in_frame = FRAME_BINDINGS.iter().filter(|(binding, ..)| self.frame & (1 << binding) != 0);
         let second = match self.second {
-            SecondSet::Material { textures } => material(textures),
+            SecondSet::Material { textures, medium } => material(textures, medium),
             SecondSet::Nothing => Vec::new(),
             SecondSet::Inputs { count, bloom } => {
                 let inputs = (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT));
@@ -253,7 +271,8 @@ impl Family {
         };
         let inputs = |count| (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT)).collect();
         let frame = in_frame.map(|&(binding, ty, stages)| (binding, ty, 1, stages)).collect();
-        let third = self.decal_textures.map_or_else(|| inputs(self.layers), material);
+        let third =
+            self.decal_textures.map_or_else(|| inputs(self.layers), |textures| material(textures, false));
         [frame, second, third]
     }
 }

@@ -7,7 +7,7 @@ use super::super::shader::{
 };
 use crate::environment::TexelFormat;
 use crate::plan::{
-    DecalKind, DecalWay, Edges, Form, Format, Pipeline, Plan, ShadowNeed, SurfaceKind, Translucency,
+    Around, DecalKind, DecalWay, Edges, Form, Format, Pipeline, Plan, ShadowNeed, SurfaceKind, Translucency,
     VolumeShape,
 };
 use crate::visible::ShadowShape;
@@ -20,7 +20,17 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::Depth(kind) => {
             (Module::GeometryVertex, kind.alpha_mask.then_some(Module::Mask), surface(kind))
         }
-        Pipeline::Surface(kind) => {
+        Pipeline::Absorb(kind) | Pipeline::Surface(kind) if kind.transmits => {
+            let absorbs = Specialization::absorbs(matches!(pipeline, Pipeline::Absorb(_)));
+            let behind = Specialization::behind(depth_behind(plan));
+            // What absorbs has no light of its own.
+            let own = match pipeline {
+                Pipeline::Absorb(_) => SurfaceKind { around: Around::Nothing, emissive: false, ..*kind },
+                _ => *kind,
+            };
+            (Module::GeometryVertex, Some(Module::Medium), surface(&own).and(absorbs).and(behind))
+        }
+        Pipeline::Surface(kind) | Pipeline::Absorb(kind) => {
             let fragment = if plan.lights_as_drawn(kind) {
                 // Without a light target what is unlit needs no more than its material.
                 if kind.unlit && plan.folded { Module::Unlit } else { Module::Forward }
@@ -61,20 +71,27 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::Composite => (Module::Fullscreen, Some(Module::Composite), Specialization::default()),
         Pipeline::Peel { kind, first } => {
             // The first has nothing behind it where nothing is opaque.
-            let opaque = plan.attachments.iter().find(|a| a.format.is_depth() && a.name.starts_with("depth"));
+            let opaque = depth_behind(plan);
             let fragment = (!first || opaque.is_some()).then_some(Module::Peel);
-            let behind_opaque = *first && opaque.is_some_and(|a| a.name.split('/').next() == Some("depth"));
-            (Module::GeometryVertex, fragment, surface(kind).and(Specialization::peel(behind_opaque)))
+            let behind_opaque = *first && opaque == Some(true);
+            (Module::GeometryVertex, fragment, surface(kind).and(Specialization::behind(Some(behind_opaque))))
         }
         Pipeline::Fog => (Module::Fullscreen, Some(Module::Fog), Specialization::default()),
+        Pipeline::Particles(kind) => {
+            let textures = textures(&kind.surface());
+            let surface = GeometryConstants { textures, ..GeometryConstants::default() };
+            let behind = Specialization::behind(depth_behind(plan));
+            (Module::ParticleVertex, Some(Module::Particle), surface.specialization().and(behind))
+        }
     };
     let lighting = lighting_constants(plan, pipeline).specialization();
     let output = output_constants(plan, pipeline).specialization();
     let gbuffer = gbuffer_constants(plan).specialization();
     let brdf = Specialization::brdf(plan.options.brdf);
     let samples = sample_constants(plan, pipeline).specialization();
-    // Of what draws surfaces, only layers and what is peeled look at samples.
-    let reads = !pipeline.is_of_surfaces() || reads_samples(plan, pipeline);
+    // Of what draws surfaces, only layers, what is peeled and what absorbs look at samples.
+    let transmits = matches!(pipeline, Pipeline::Surface(kind) | Pipeline::Absorb(kind) if kind.transmits);
+    let reads = !pipeline.is_of_surfaces() || transmits || reads_samples(plan, pipeline);
     let fragment = fragment.map(|m| if plan.options.samples > 1 && reads { m.multisampled() } else { m });
     let all = samples.and(lighting).and(output).and(gbuffer).and(brdf).and(own);
     let all = match pipeline.is_of_blended() || *pipeline == Pipeline::Composite {
@@ -87,7 +104,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
 /// Whether it draws blended surfaces and reads, of each sample, what was left of others.
 fn reads_samples(plan: &Plan, pipeline: &Pipeline) -> bool {
     let keeps_layers = plan.options.translucency == Translucency::Oit;
-    matches!(pipeline, Pipeline::Surface(kind) if kind.blend && keeps_layers && !plan.folded)
+    matches!(pipeline, Pipeline::Surface(kind) if kind.blend && !kind.transmits && keeps_layers && !plan.folded)
         || matches!(pipeline, Pipeline::Peel { .. })
 }
 
@@ -105,6 +122,12 @@ fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
             || pipeline.is_of_surfaces(),
         resolve: plan.options.resolve,
     }
+}
+
+/// Whether lighting reads the depth of what is opaque too; `None` if there is no such depth.
+fn depth_behind(plan: &Plan) -> Option<bool> {
+    let opaque = plan.attachments.iter().find(|a| a.format.is_depth() && a.name.starts_with("depth"))?;
+    Some(opaque.name.split('/').next() == Some("depth"))
 }
 
 fn translucency_constants(plan: &Plan) -> Specialization {
@@ -170,11 +193,11 @@ fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
     // Fog comes before light that is complete.
     let applies_fog = match pipeline.per_pixel() {
         Pipeline::Lighting | Pipeline::LightVolume(_) | Pipeline::ShadowedLight => plan.folded,
-        Pipeline::Tonemap => plan.has_gbuffer() && plan.needs.blended.is_none(),
+        Pipeline::Tonemap => plan.has_gbuffer() && plan.needs.over_light().is_none(),
         _ => true,
     };
     OutputConstants {
-        translucency: plan.needs.blended.is_some(),
+        translucency: plan.needs.over_light().is_some(),
         tonemap: plan.options.tonemap,
         dither: plan.options.dither,
         float: plan.options.output.is_float(),

@@ -21,6 +21,7 @@ impl VertexInput {
     /// The attributes at these locations; others may be bound and are not read.
     pub(super) fn new(pipeline: &Pipeline, attributes: &BTreeSet<u32>) -> Result<Self> {
         let (Pipeline::Surface(kind)
+        | Pipeline::Absorb(kind)
         | Pipeline::Light(kind)
         | Pipeline::Depth(kind)
         | Pipeline::Peel { kind, .. }) = pipeline
@@ -68,6 +69,7 @@ impl FixedState {
         let subpass = plan.subpass(stage).2;
         let cull = match pipeline {
             Pipeline::Surface(kind)
+            | Pipeline::Absorb(kind)
             | Pipeline::Depth(kind)
             | Pipeline::Light(kind)
             | Pipeline::Peel { kind, .. }
@@ -86,6 +88,7 @@ impl FixedState {
         // Clip space has y down, so triangles that are counter-clockwise in the world stay so on the image.
         let front = match pipeline {
             Pipeline::Surface(kind)
+            | Pipeline::Absorb(kind)
             | Pipeline::Depth(kind)
             | Pipeline::Light(kind)
             | Pipeline::Peel { kind, .. }
@@ -119,6 +122,15 @@ impl FixedState {
             .src_alpha_blend_factor(vk::BlendFactor::ZERO)
             .dst_alpha_blend_factor(vk::BlendFactor::ONE)
             .alpha_blend_op(vk::BlendOp::ADD)
+        } else if matches!(pipeline, Pipeline::Absorb(_)) {
+            // Colours are what is left of those that are there; alpha is the part that is covered.
+            all.blend_enable(true)
+                .src_color_blend_factor(vk::BlendFactor::ZERO)
+                .dst_color_blend_factor(vk::BlendFactor::SRC_COLOR)
+                .color_blend_op(vk::BlendOp::ADD)
+                .src_alpha_blend_factor(vk::BlendFactor::ONE)
+                .dst_alpha_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+                .alpha_blend_op(vk::BlendOp::ADD)
         } else if subpass.blend {
             // Over what is there, colours multiplied by alpha already; or added to it; or summed, while alpha holds what is left of
             // what is behind.
@@ -126,6 +138,7 @@ impl FixedState {
             let left = vk::BlendFactor::ONE_MINUS_SRC_ALPHA;
             let [kept, alpha_kept] = match pipeline {
                 Pipeline::Surface(_) if sums => [vk::BlendFactor::ONE, left],
+                Pipeline::Surface(kind) if kind.transmits => [vk::BlendFactor::ONE; 2],
                 Pipeline::Surface(_) | Pipeline::Fog | Pipeline::Composite => [left; 2],
                 _ => [vk::BlendFactor::ONE; 2],
             };
@@ -165,9 +178,14 @@ fn depth_stencil(
     let own_edge = if pipeline.per_pixel() == *pipeline { 0 } else { edge };
     match pipeline {
         // Surfaces whose depth is there already pass where they are what was found nearest.
-        Pipeline::Surface(_) | Pipeline::Depth(_) | Pipeline::Light(_) => {
+        Pipeline::Surface(_)
+        | Pipeline::Absorb(_)
+        | Pipeline::Depth(_)
+        | Pipeline::Light(_)
+        | Pipeline::Particles(_) => {
             // What is blended is tested against what is opaque, or was peeled.
-            let blended = matches!(pipeline, Pipeline::Surface(kind) if kind.blend);
+            let blended = matches!(pipeline, Pipeline::Surface(kind) if kind.blend)
+                || matches!(pipeline, Pipeline::Particles(_) | Pipeline::Absorb(_));
             let found = !subpass.depth_write && (!blended || subpass.tests_peeled);
             test.depth_compare_op(if found { vk::CompareOp::EQUAL } else { vk::CompareOp::GREATER })
         }

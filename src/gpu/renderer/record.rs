@@ -128,6 +128,7 @@ impl Frame<'_> {
                 // Drawn in turns with the volumes between them.
                 Pipeline::LightMask(_) | Pipeline::EdgeVolume(_) | Pipeline::ShadowVolume => {}
                 Pipeline::ShadowedLight => self.draw_shadowed_lights(stage, index),
+                Pipeline::Particles(_) => self.draw_particles(stage, index),
                 _ => self.counted(stage, index, None, |frame| {
                     frame.bind_with_inputs(stage, index);
                     frame.draw_generated(3, 0..1);
@@ -205,12 +206,16 @@ impl Frame<'_> {
 
     /// Draws what the view sees of what is blended, from far to near.
     fn draw_blended(&mut self, stage: usize) {
-        let Renderer { pipelines, scene, .. } = self.renderer;
+        let Renderer { plan, pipelines, scene, .. } = self.renderer;
         let mut bound = Bound::default();
         for (batch, run) in scene.objects().blended_runs() {
-            if let Some(index) = pipelines.drawing(stage, batch.pipeline) {
-                self.draw_run(stage, index, batch, run, &mut bound);
+            let Some(index) = pipelines.drawing(stage, batch.pipeline) else { continue };
+            // What is behind is multiplied before light is added.
+            let absorbs = |&before: &usize| matches!(plan.pipelines[before].1, Pipeline::Absorb(_));
+            if let Some(before) = index.checked_sub(1).filter(absorbs) {
+                self.draw_run(stage, before, batch, run.clone(), &mut bound);
             }
+            self.draw_run(stage, index, batch, run, &mut bound);
         }
     }
 

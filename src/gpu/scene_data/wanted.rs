@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use super::super::decals::Decals;
 use super::super::objects::Batch;
 use super::super::{ColorEncoding, Streams, TextureKey};
 use crate::plan::{Pipeline, Plan, SLOTS, SurfaceKind};
@@ -48,15 +47,15 @@ pub(super) fn material_textures<'a>(
     })
 }
 
-/// Every texture that some pipeline samples, once.
+/// Every texture that some pipeline samples, once; `others` are pipelines and materials of what is no object.
 pub(super) fn texture_keys(
     scene: &Scene,
     plan: &Plan,
     batches: &[Batch],
-    decals: &Decals,
+    others: &[(usize, usize)],
 ) -> Vec<TextureKey> {
     let of_objects = batches.iter().map(|b| (b.pipeline, b.material));
-    let used: BTreeSet<(usize, usize)> = of_objects.chain(decals.materials()).collect();
+    let used: BTreeSet<(usize, usize)> = of_objects.chain(others.iter().copied()).collect();
     let mut seen = Vec::new();
     for (pipeline, material) in used {
         for key in material_textures(scene, &material_kind(plan, pipeline), material) {
@@ -70,6 +69,7 @@ pub(super) fn texture_keys(
 pub(super) fn material_kind(plan: &Plan, pipeline: usize) -> SurfaceKind {
     match &plan.pipelines[pipeline].1 {
         Pipeline::Decal(kind) => kind.surface(),
+        Pipeline::Particles(kind) => kind.surface(),
         _ => *surface(plan, pipeline),
     }
 }

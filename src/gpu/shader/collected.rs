@@ -19,8 +19,16 @@ impl Specialization {
         ])
     }
 
-    /// The constant of [`super::Module::Peel`]: whether it reads the depth that lighting reads.
-    pub fn peel(behind_opaque: bool) -> Self {
-        Self::from_pairs(&[(const { shared("ID_BEHIND_OPAQUE") }, behind_opaque.into())])
+    /// The constant of [`super::Module::Medium`]: whether it multiplies what is behind.
+    pub fn absorbs(absorbs: bool) -> Self {
+        Self::from_pairs(&[(const { shared("ID_ABSORBS") }, absorbs.into())])
+    }
+
+    /// Constants of what reads the depth of what is opaque behind it: whether there is any, and whether lighting reads it too.
+    pub fn behind(lighting_reads: Option<bool>) -> Self {
+        Self::from_pairs(&[
+            (const { shared("ID_HAS_BEHIND") }, lighting_reads.is_some().into()),
+            (const { shared("ID_BEHIND_OPAQUE") }, lighting_reads.unwrap_or_default().into()),
+        ])
     }
 }

@@ -10,7 +10,7 @@ use crate::gpu::{
     Device, DrawCount, IndexWidth, Offscreen, PipelineCache, PipelineParts, RecordedShadows, RendererConfig,
     View,
 };
-use crate::plan::{Around, LightWay, Needs, Options, Path, Pipeline, Plan, SLOTS, SurfaceKind};
+use crate::plan::{Around, LightWay, Load, Needs, Options, Path, Pipeline, Plan, SLOTS, SurfaceKind};
 use crate::scene::Scene;
 
 /// Lookups of each fragment of a draw.
@@ -111,8 +111,12 @@ pub fn count(
     let recorded = offscreen.renderer().recorded();
     drop(offscreen);
     let mut untested = plan.clone();
-    for subpass in untested.passes.iter_mut().flat_map(|pass| &mut pass.subpasses) {
-        subpass.depth = None;
+    for pass in &mut untested.passes {
+        pass.subpasses.iter_mut().for_each(|subpass| subpass.depth = None);
+        // What is read of it is nothing that could be cleared.
+        let of_depth =
+            pass.attachments.iter_mut().filter(|a| plan.attachments[a.attachment].format.is_depth());
+        of_depth.for_each(|attachment| attachment.load = Load::DontCare);
     }
     let (all_draws, _) = frame(scene, untested)?;
     let known = Plan::new(Needs::of(scene), Options { depth_prepass: true, ..options.clone() }, &limits)?;

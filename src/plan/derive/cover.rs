@@ -7,8 +7,8 @@ impl Dependencies {
     /// between them, its writes are ordered by way of the third. They are named here too, since validation layers look at each
     /// dependency by itself.
     ///
-    /// Where attachments change between reading and writing more than once (`alternates`), what a subpass leaves alone is named
-    /// too.
+    /// Where attachments change between reading and writing more than once, or the depth that is tested is read long after it was
+    /// written (`alternates`), what a subpass leaves alone is named too.
     pub(super) fn cover(&mut self, touches: &[Touch], depth: bool, alternates: bool) {
         for (index, b) in touches.iter().enumerate().filter(|_| alternates) {
             let is_last = index + 1 == touches.len();

@@ -34,7 +34,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
     let light_read = in_gbuffer && (one_by_one || !needs.prelit.is_empty());
     let folded = match gbuffer.light {
         LightPlace::Added { .. } => {
-            needs.prelit.is_empty() && needs.blended.is_none() && asked.may_fold() && !one_by_one
+            needs.prelit.is_empty() && needs.over_light().is_none() && asked.may_fold() && !one_by_one
         }
         LightPlace::Read(_) => !one_by_one,
         LightPlace::Nowhere => true,
@@ -48,7 +48,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
         .collect();
     let mut light_why = needs.prelit.clone();
     light_why.extend(one_by_one.then(|| "lights are added one by one, each rounded".into()));
-    light_why.extend(needs.blended.iter().map(|blended| format!("{blended} is blended over it")));
+    light_why.extend(asked.over_light());
     if light_why.is_empty() {
         light_why.push("lighting and tonemap are kept apart on request".into());
     }

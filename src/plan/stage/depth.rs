@@ -23,7 +23,17 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
     let hides = opaque > 1 || (opaque == 1 && needs.blended.is_some());
     let is_read = path == Path::Deferred && needs.lit_opaque.is_some() && gbuffer.reads_depth_attachment();
     let marks_edges = edges != Edges::All;
-    if !(hides || one_by_one || before_sky || is_read || marks_edges || options.edge_filter) {
+    let fades = opaque > 0 && !needs.particles.is_empty();
+    let absorbs = opaque > 0 && needs.transmits.is_some();
+    if !(hides
+        || fades
+        || absorbs
+        || one_by_one
+        || before_sky
+        || is_read
+        || marks_edges
+        || options.edge_filter)
+    {
         return Depth { resource: None, drawn: None, is_read };
     }
     let stencil = asked.has_stencil() || marks_edges;
@@ -54,6 +64,8 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) -> Depth {
     };
     let mut why = Vec::new();
     why.extend(hides.then(|| format!("{} triangles hide each other", needs.triangles)));
+    why.extend(fades.then(|| "particles fade in front of it".into()));
+    why.extend(absorbs.then(|| "light is absorbed on the way to it".into()));
     why.extend(is_read.then(|| "lighting reads it".into()));
     why.extend(way.is_one_by_one().then(|| "a light's volume is tested against it".into()));
     why.extend(by_volume.then(|| "shadow volumes are tested against it".into()));

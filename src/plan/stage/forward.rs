@@ -5,9 +5,9 @@ use super::{Asked, Frame, Use, added_light, translucency};
 
 /// All at once, the tone curve too, unless something is blended over it.
 pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, name: &'static str, why: String) {
-    if let Some(blended) = &asked.needs.blended {
+    if let Some(why_light) = asked.over_light() {
         let light = added_light(asked.gbuffer, false).0;
-        let light = frame.add_target(&light.target, false, format!("{blended} is blended over it"));
+        let light = frame.add_target(&light.target, false, why_light);
         if asked.needs.background.is_some() {
             frame.resources[light].holds = Asked::LIGHT_AND_BACKGROUND;
         }

@@ -4,10 +4,14 @@ mod decals;
 mod deferred;
 mod depth;
 mod forward;
+mod media;
+mod particles;
 mod post;
 mod samples;
 mod translucency;
 
+pub use media::NAME as MEDIA;
+pub use particles::NAME as PARTICLES;
 pub(super) use samples::add as multisample;
 pub use translucency::{FOG, LAYERS, NAME as TRANSLUCENCY, PEEL};
 
@@ -226,7 +230,14 @@ impl Asked<'_> {
 
     /// Whether what the G-buffer holds is fogged in the last stage; before blended surfaces are laid over it, it is earlier.
     fn fogs_last(&self) -> bool {
-        self.needs.fog.is_some() && self.needs.blended.is_none()
+        self.needs.fog.is_some() && self.needs.over_light().is_none()
+    }
+
+    /// What there is a light target for once surfaces are lit.
+    fn over_light(&self) -> Option<String> {
+        let over = |blended: &String| format!("{blended} is blended over it");
+        let blended = self.needs.transmits.as_ref().or(self.needs.blended.as_ref()).map(over);
+        blended.or(self.needs.particles.first().map(|need| format!("{} add to it", need.why)))
     }
 
     /// Whether the tone curve may be applied where light is made; light that is to be resolved is all made before.

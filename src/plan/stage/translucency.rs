@@ -2,6 +2,7 @@
 
 use super::depth::Depth;
 use super::{Asked, Frame, Use};
+use super::{media, particles};
 use crate::plan::layout::{Target, Tells};
 use crate::plan::{Format, Translucency};
 
@@ -17,19 +18,39 @@ pub const LAYERS: &str = "layers";
 /// Of those that look for the next layer.
 pub const PEEL: &str = "peel";
 
-/// Adds what it takes where a surface is blended. `lights` are the targets that hold light so far, and `positions` what tells fog
+/// Adds what it takes where a surface is blended, or particles add light. `lights` are the targets that hold light so far, and `positions` what tells fog
 /// where the G-buffer's surfaces are.
 pub(super) fn add(frame: &mut Frame, asked: &Asked, lights: &[usize], depth: &Depth, positions: &[usize]) {
-    let Some(blended) = &asked.needs.blended else { return };
+    let Some(first) = asked.needs.over_light() else { return };
+    let needs = asked.needs;
+    let alone = needs.blended.is_some() && needs.transmits.is_none();
+    let sorted = alone && asked.options.translucency == Translucency::Sorted;
+    if !(sorted || positions.is_empty()) {
+        let over = lights.iter().map(|&light| (light, Use::Blend));
+        let read = positions.iter().map(|&position| (position, Use::Read));
+        let test = depth.resource.map(|depth| (depth, Use::DepthTest));
+        let why = format!("what is behind {first} is fogged before it is covered");
+        frame.add_stage(FOG, over.chain(read).chain(test), why);
+    }
+    media::add(frame, asked, lights, depth);
+    if let Some(blended) = &asked.needs.blended {
+        let positions = if sorted { positions } else { &[] };
+        add_blended(frame, asked, blended, lights, (depth, positions));
+    }
+    particles::add(frame, asked, lights, depth);
+}
+
+fn add_blended(
+    frame: &mut Frame,
+    asked: &Asked,
+    blended: &str,
+    lights: &[usize],
+    (depth, positions): (&Depth, &[usize]),
+) {
     let lights: Vec<_> = lights.iter().map(|&light| (light, Use::Blend)).collect();
     let read = positions.iter().map(|&position| (position, Use::Read));
     let test = depth.resource.map(|depth| (depth, Use::DepthTest));
-    let way = asked.options.translucency;
-    if way != Translucency::Sorted && !positions.is_empty() {
-        let why = format!("what is behind {blended} is fogged before it is covered");
-        frame.add_stage(FOG, lights.iter().copied().chain(read.clone()).chain(test), why);
-    }
-    match way {
+    match asked.options.translucency {
         Translucency::Sorted => {
             let fog = if positions.is_empty() { "" } else { "; what is behind is fogged before" };
             let why = format!("{blended} is blended over what is lit behind it, from far to near{fog}");

@@ -35,6 +35,8 @@ enum Components {
 }
 
 impl Format {
+    pub const SCALAR: Self =
+        Self { types: &[Type::Scalar], components: Components::Float, text: "a float SCALAR" };
     pub const VEC3: Self =
         Self { types: &[Type::Vec3], components: Components::FloatOrQuantized, text: "a float VEC3" };
     pub const VEC4: Self =

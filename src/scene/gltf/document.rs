@@ -14,27 +14,27 @@ use serde_json::Value;
 use super::source;
 use crate::{Error, Result};
 
-const SUPPORTED_EXTENSIONS: [&str; 5] = [
+const SUPPORTED_EXTENSIONS: [&str; 8] = [
     "KHR_mesh_quantization",
     "KHR_texture_transform",
     "KHR_materials_unlit",
     "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
     "KHR_lights_punctual",
 ];
 
 /// Extensions that change what is seen, but without which a file still is useful.
-const LOOK_EXTENSIONS: [&str; 17] = [
+const LOOK_EXTENSIONS: [&str; 14] = [
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
     "KHR_materials_dispersion",
-    "KHR_materials_ior",
     "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_volume",
     "KHR_texture_basisu",
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",

@@ -10,8 +10,8 @@ use super::document::Document;
 use crate::{Error, Result};
 
 /// What may be said of nodes, of those with lights in part: [`super::light`], [`super::around`],
-/// [`super::environment`], [`super::decal`].
-pub const OF_NODES: [&str; 11] = [
+/// [`super::environment`], [`super::decal`], [`super::particles`].
+pub const OF_NODES: [&str; 12] = [
     "shadow",
     "dynamic",
     "priority",
@@ -23,6 +23,7 @@ pub const OF_NODES: [&str; 11] = [
     "lightmap",
     "probe",
     "decal",
+    "particles",
 ];
 
 /// What may be said of scenes (`scenes[i].extras.ontile`): [`super::environment`], [`super::around`].
@@ -75,6 +76,11 @@ impl<'a> Extras<'a> {
     /// The member of this name.
     pub fn get(&self, name: &str) -> Option<&Extra<'a>> {
         self.members.get(name)
+    }
+
+    /// The same, for itself.
+    pub fn take(mut self, name: &str) -> Option<Extra<'a>> {
+        self.members.remove(name)
     }
 
     /// The member of this name as a number that `holds`, as `rule` says; `default` without it.

@@ -10,7 +10,7 @@ use gltf::json::{self, Index};
 
 use super::document::Document;
 use crate::Result;
-use crate::scene::{AlphaMode, Material, Sampler, Texture, TextureRef, Wrap};
+use crate::scene::{AlphaMode, Material, Sampler, Texture, TextureRef, Transmission, Wrap};
 
 /// What the JSON says about a material's use of a texture.
 struct Slot<'a> {
@@ -125,6 +125,7 @@ impl Materials {
             occlusion_strength,
             emissive_factor,
             emissive_texture: self.use_texture(doc, emissive.filter(|_| emits))?,
+            transmission: self.transmission(doc, material, index)?,
             ..shared
         })
     }
@@ -139,6 +140,52 @@ impl Materials {
             self.warnings.push(format!("{element}: {factor} is negative and was raised to 0"));
         }
         Ok(factor.max(Vec3::ZERO))
+    }
+
+    /// KHR_materials_transmission with KHR_materials_volume and KHR_materials_ior, of which the last two say nothing without the first.
+    fn transmission(
+        &mut self,
+        doc: &Document,
+        material: &json::Material,
+        index: usize,
+    ) -> Result<Option<Transmission>> {
+        let at = |field: &str| format!("materials[{index}].extensions.{field}");
+        let Some(extensions) = material.extensions.as_ref() else { return Ok(None) };
+        let Some(transmission) = extensions.transmission.as_ref() else {
+            if extensions.volume.is_some() || extensions.ior.is_some() {
+                let element = format!("materials[{index}].extensions");
+                let what = "KHR_materials_volume and KHR_materials_ior without KHR_materials_transmission";
+                self.warnings.push(format!("{element}: {what} were left out"));
+            }
+            return Ok(None);
+        };
+        let field = at("KHR_materials_transmission.transmissionFactor");
+        let [factor] = self.within_unit(doc.finite([transmission.transmission_factor.0], &field)?, field);
+        let mut read = Transmission { factor, ..Transmission::default() };
+        let mut left_out = |texture: &Option<json::texture::Info>, field: &str| {
+            if texture.is_some() {
+                self.warnings.push(format!("{}: is not supported; texture left out", at(field)));
+            }
+        };
+        left_out(&transmission.transmission_texture, "KHR_materials_transmission.transmissionTexture");
+        if let Some(volume) = &extensions.volume {
+            left_out(&volume.thickness_texture, "KHR_materials_volume.thicknessTexture");
+            let volume_at = |field: &str| at(&format!("KHR_materials_volume.{field}"));
+            [read.thickness_m] = doc.finite([volume.thickness_factor.0], volume_at("thicknessFactor"))?;
+            let color = doc.finite(volume.attenuation_color.0, volume_at("attenuationColor"))?;
+            read.attenuation_color = self.within_unit(color, volume_at("attenuationColor")).into();
+            read.attenuation_distance_m = volume.attenuation_distance.0;
+        }
+        if let Some(ior) = &extensions.ior {
+            [read.ior] = doc.finite([ior.ior.0], at("KHR_materials_ior.ior"))?;
+        }
+        match read.problem() {
+            Some(problem) => {
+                let remedy = "correct the values of KHR_materials_volume and KHR_materials_ior there";
+                Err(doc.bad(format!("materials[{index}].extensions"), problem, remedy))
+            }
+            None => Ok(Some(read)),
+        }
     }
 
     fn alpha_mode(&mut self, doc: &Document, material: &json::Material, index: usize) -> Result<AlphaMode> {

@@ -153,7 +153,7 @@ impl Primitive<'_> {
     }
 
     /// The number of vertices, which all attributes must agree on.
-    fn vertex_count(&self, doc: &Document) -> Result<usize> {
+    pub fn vertex_count(&self, doc: &Document) -> Result<usize> {
         let attributes = format!("{}.attributes", self.element);
         let count = |index, name: &str| {
             let accessor =
@@ -202,11 +202,6 @@ impl Primitive<'_> {
     }
 
     fn attributes(&self, doc: &Document, material: &Material) -> Result<Mesh> {
-        let reader = |semantic: Semantic, format| -> Result<Option<Reader>> {
-            let name = semantic.to_string();
-            let Some(index) = self.accessor(semantic) else { return Ok(None) };
-            Reader::new(doc, index, format!("{}.attributes.{name}", self.element), format).map(Some)
-        };
         let floats3 = |semantic, format| -> Result<Vec<Vec3>> {
             Ok(self.floats::<3>(doc, semantic, format)?.into_iter().map(Vec3::from_array).collect())
         };
@@ -227,13 +222,18 @@ impl Primitive<'_> {
                 *texcoords = found.into_iter().map(Vec2::from_array).collect();
             }
         }
-        if let Some(r) = reader(Semantic::Colors(0), Format::COLOR)? {
-            mesh.colors = match r.width {
-                3 => r.floats::<3>(doc)?.into_iter().map(|c| Vec3::from_array(c).extend(1.0)).collect(),
-                _ => r.floats::<4>(doc)?.into_iter().map(Vec4::from_array).collect(),
-            };
-        }
+        mesh.colors = self.colors(doc)?;
         Ok(mesh)
+    }
+
+    /// COLOR_0 with alpha; empty if the primitive has none.
+    pub fn colors(&self, doc: &Document) -> Result<Vec<Vec4>> {
+        let Some(index) = self.accessor(Semantic::Colors(0)) else { return Ok(Vec::new()) };
+        let r = Reader::new(doc, index, format!("{}.attributes.COLOR_0", self.element), Format::COLOR)?;
+        Ok(match r.width {
+            3 => r.floats::<3>(doc)?.into_iter().map(|c| Vec3::from_array(c).extend(1.0)).collect(),
+            _ => r.floats::<4>(doc)?.into_iter().map(Vec4::from_array).collect(),
+        })
     }
 }
 

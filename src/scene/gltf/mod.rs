@@ -17,6 +17,7 @@ mod light;
 mod material;
 mod mesh;
 mod node;
+mod particles;
 mod pose;
 mod source;
 mod tangent;
@@ -85,6 +86,7 @@ fn load(doc: &Document) -> Result<Scene> {
     read_meshes(doc, &tree, &mut scene, &mut materials)?;
     scene.lights = light::read_lights(doc, &tree, &mut materials)?;
     scene.decals = decal::read_decals(doc, &tree, &mut materials)?;
+    scene.particles = particles::read_particles(doc, &tree, &mut materials, &mut scene.warnings)?;
     scene.images = image::decode_all(doc, &materials.images)?;
     scene.materials = materials.materials;
     scene.textures = materials.textures;
@@ -156,7 +158,11 @@ fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &m
         let world_from_object = if skin.is_some() { Mat4::IDENTITY } else { world_from_node.as_mat4() };
         let own = (skin.is_some() || node.weights.is_some()).then_some(node_index);
         let pose = Pose { weights, skin: skin.as_deref() };
+        let has_particles = particles::said(doc, node_index)?.is_some();
         for (j, json) in mesh.primitives.iter().enumerate() {
+            if has_particles && particles::is_points(json) {
+                continue;
+            }
             let element = format!("meshes[{}].primitives[{j}]", mesh_index.value());
             let key = (mesh_index.value(), j, own);
             let index = match known.get(&key) {

@@ -11,6 +11,8 @@ pub struct Changes {
     pub(crate) lights: Vec<usize>,
     /// Decals likewise.
     pub(crate) decals: Vec<usize>,
+    /// Lists of particles that are others.
+    pub(crate) particles: Vec<usize>,
     /// Meshes that came, or have other contents.
     pub(crate) meshes: Vec<usize>,
     /// Pictures likewise.
@@ -27,7 +29,7 @@ impl Changes {
         *self == Self::default()
     }
 
-    /// Whether more was done than moving instances and changing the numbers of lights and decals: a renderer makes new objects
+    /// Whether more was done than moving instances and changing the numbers of lights, decals and particles: a renderer makes new objects
     /// then.
     pub fn is_structural(&self) -> bool {
         self.elements || self.surroundings
@@ -35,8 +37,8 @@ impl Changes {
 
     /// Forgets, and keeps its memory.
     pub(super) fn clear(&mut self) {
-        let Self { instances, lights, decals, meshes, images, surroundings, elements } = self;
-        [instances, lights, decals, meshes, images].into_iter().for_each(Vec::clear);
+        let Self { instances, lights, decals, particles, meshes, images, surroundings, elements } = self;
+        [instances, lights, decals, particles, meshes, images].into_iter().for_each(Vec::clear);
         (*surroundings, *elements) = (false, false);
     }
 

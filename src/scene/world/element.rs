@@ -4,13 +4,13 @@ use glam::Mat4;
 
 use super::super::check::Checked;
 use super::super::{
-    Camera, Decal, GlobePicture, Image, Instance, Light, LightKind, Material, Mesh, Projection, Sampler,
-    Scene, Texture,
+    Camera, Decal, GlobePicture, Image, Instance, Light, LightKind, Material, Mesh, Particles, Projection,
+    Sampler, Scene, Texture,
 };
 use super::Changes;
 
 /// What a [`World`](super::World) has lists of: [`Mesh`], [`Instance`], [`Material`], [`Texture`], [`Image`], [`Light`],
-/// [`Decal`] and [`Camera`].
+/// [`Decal`], [`Camera`] and [`Particles`].
 pub trait Element: Listed {}
 
 impl<T: Listed> Element for T {}
@@ -26,14 +26,15 @@ pub enum Kind {
     Light,
     Decal,
     Camera,
+    Particles,
 }
 
 impl Kind {
-    pub const COUNT: usize = 8;
+    pub const COUNT: usize = 9;
 
     /// The list's name in messages.
     pub fn list(self) -> &'static str {
-        ["meshes", "instances", "materials", "textures", "images", "lights", "decals", "cameras"]
+        ["meshes", "instances", "materials", "textures", "images", "lights", "decals", "cameras", "particles"]
             [self as usize]
     }
 }
@@ -227,6 +228,28 @@ impl Listed for Camera {
     fn note(&self, _: Option<&Self>, _: usize, _: &mut Changes) {}
 }
 
+impl Listed for Particles {
+    listed!(Particles, particles);
+
+    fn gone() -> Self {
+        Self::default()
+    }
+
+    fn uses(&self) -> impl Iterator<Item = (Kind, usize)> {
+        std::iter::once((Kind::Material, self.material))
+    }
+
+    fn note(&self, old: Option<&Self>, index: usize, changes: &mut Changes) {
+        let others = |old: &Self| {
+            (old.material, old.soft_m, old.most) == (self.material, self.soft_m, self.most) && old.most > 0
+        };
+        match old.is_some_and(others) {
+            true => Changes::note(&mut changes.particles, index),
+            false => changes.elements = true,
+        }
+    }
+}
+
 /// How long each list is, in the order of [`Kind`].
 pub fn lengths(scene: &Scene) -> [usize; Kind::COUNT] {
     [
@@ -238,6 +261,7 @@ pub fn lengths(scene: &Scene) -> [usize; Kind::COUNT] {
         scene.lights.len(),
         scene.decals.len(),
         scene.cameras.len(),
+        scene.particles.len(),
     ]
 }
 
@@ -252,6 +276,7 @@ pub fn users(scene: &Scene, kind: Kind, index: usize) -> impl Iterator<Item = (K
     of::<Instance>(scene, used)
         .chain(of::<Mesh>(scene, used))
         .chain(of::<Decal>(scene, used))
+        .chain(of::<Particles>(scene, used))
         .chain(of::<Material>(scene, used))
         .chain(of::<Texture>(scene, used))
         .chain(of::<Light>(scene, used))

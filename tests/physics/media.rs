@@ -1,0 +1,100 @@
+//! Light that goes through surfaces, against the reference, which knows the exact way through them.
+
+use ontile::glam::Vec3;
+use ontile::plan::{Layout, Path, Tonemap, Translucency};
+use ontile::reference::render;
+use ontile::scene::{Fog, Scene, Transmission};
+
+use crate::common::scenes::media_scenes::{water, water_alone, water_and_more};
+use crate::error::Errors;
+use crate::gpu::{Ask, Gpu};
+
+/// [`water`] in fog, with ambient light.
+fn misty() -> Scene {
+    let fog = Some(Fog { color_nt: Vec3::new(0.3, 0.35, 0.4), density_per_m: 0.15, height: None });
+    Scene { name: "misty".into(), fog, ambient_nt: Vec3::new(0.1, 0.12, 0.15), ..water() }
+}
+
+/// Without particles' texture, whose filter differs by driver.
+fn with_others() -> Scene {
+    let mut scene = water_and_more();
+    scene.materials.iter_mut().filter(|m| m.name == "glow spark").for_each(|m| m.emissive_texture = None);
+    scene
+}
+
+#[test]
+fn light_that_is_let_through_is_the_references() {
+    let Some(gpu) = Gpu::open() else { return };
+    let mut failed = Vec::new();
+    let paths = [Path::Deferred, Path::Forward, Path::ForwardMultipass];
+    for scene in [water(), misty(), with_others(), water_alone()] {
+        let camera = &scene.cameras[0];
+        for (path, tonemap) in
+            paths.into_iter().flat_map(|p| [Tonemap::Linear, Tonemap::Aces].map(|t| (p, t)))
+        {
+            let rendered = gpu.render(&scene, camera, Ask { path, tonemap, ..Ask::EXACT });
+            let expected = render(&scene, camera, &rendered.settings);
+            let errors = Errors::of_display(&expected, &rendered.light());
+            println!("{}, {path}, {tonemap}: {errors}", scene.name);
+            if let Err(reason) = errors.check() {
+                failed.push(format!("{}, {path}, {tonemap}: {reason}", scene.name));
+            }
+        }
+    }
+    gpu.finish();
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// What is below all that is blended is the same with each way of that, and with each layout.
+#[test]
+fn water_is_alike_with_every_layout_and_way_of_translucency() {
+    /// What light targets and surfaces in few bits may be off by, of the light.
+    const MAX_ERROR: f64 = 0.05;
+    let Some(gpu) = Gpu::open() else { return };
+    let mut scene = water();
+    scene.lights.clear();
+    scene.ambient_nt = Vec3::new(0.5, 0.6, 0.7);
+    let mut failed = Vec::new();
+    for &layout in Layout::ALL.iter().filter(|l| **l != Layout::Ontile64) {
+        let rendered = gpu.render(&scene, &scene.cameras[0], Ask { layout, ..Ask::EXACT });
+        let expected = render(&scene, &scene.cameras[0], &rendered.settings);
+        let errors = Errors::of_display(&expected, &rendered.light());
+        failed.extend(errors.check_within(MAX_ERROR).err().map(|e| format!("{layout}: {e}")));
+    }
+    for translucency in [Translucency::Sorted, Translucency::Weighted, Translucency::Peeled] {
+        let rendered = gpu.render(&scene, &scene.cameras[0], Ask { translucency, ..Ask::EXACT });
+        let expected = render(&scene, &scene.cameras[0], &rendered.settings);
+        let errors = Errors::of_display(&expected, &rendered.light());
+        failed.extend(errors.check().err().map(|e| format!("{translucency}: {e}")));
+    }
+    gpu.finish();
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// A way in which the renderer might be wrong, done to what the reference is given instead.
+type Fault = (&'static str, fn(&mut Transmission));
+
+const FAULTS: &[Fault] = &[
+    ("absorbs nothing", |t| t.attenuation_distance_m = f32::INFINITY),
+    ("absorbs 2 % more", |t| t.attenuation_distance_m *= 0.98),
+    ("the longest way left out", |t| t.thickness_m = 1e6),
+    ("reflects as glass", |t| t.ior = 1.5),
+    ("lets through 1 % more", |t| t.factor *= 1.01),
+];
+
+#[test]
+fn every_fault_of_media_is_caught() {
+    let Some(gpu) = Gpu::open() else { return };
+    let scene = water();
+    let camera = &scene.cameras[0];
+    let rendered = gpu.render(&scene, camera, Ask::EXACT);
+    for (name, fault) in FAULTS {
+        let mut faulty = scene.clone();
+        faulty.materials.iter_mut().filter_map(|m| m.transmission.as_mut()).for_each(fault);
+        let expected = render(&faulty, camera, &rendered.settings);
+        let errors = Errors::of_display(&expected, &rendered.light());
+        println!("{name}: {errors}");
+        assert!(errors.check().is_err(), "not caught: {name}");
+    }
+    gpu.finish();
+}
