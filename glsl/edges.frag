@@ -45,6 +45,9 @@ bool has_same_surface(int i) {
     if (HAS_DEPTH && !SAMPLE_DEPTH) {
         same = same && SAME(input_depth);
     }
+    if (OCCLUSION_TARGET) {
+        same = same && SAME(input_occlusion);
+    }
     return same;
 }
 

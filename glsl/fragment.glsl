@@ -2,17 +2,12 @@
 // draws surfaces with their materials; wants pixel.glsl, brdf.glsl and Surface.
 
 #include "material.glsl"
-#include "light/diffuse.glsl"
-#include "light/ambient.glsl"
 #include "light/lightmap.glsl"
-#include "light/environment.glsl"
-#include "light/probes.glsl"
+#include "light/around.glsl"
 
 layout(constant_id = ID_DOUBLE_SIDED) const bool DOUBLE_SIDED = false;
 layout(constant_id = ID_UNLIT) const bool UNLIT = false;
 layout(constant_id = ID_EMISSIVE) const bool EMISSIVE = false;
-layout(constant_id = ID_AMBIENT) const bool AMBIENT = false;
-layout(constant_id = ID_ENVIRONMENT) const bool ENVIRONMENT = false; // besides AMBIENT
 layout(constant_id = ID_LIGHTMAP) const bool LIGHTMAP = false;
 
 layout(location = VARYING_NORMAL) in vec3 varying_normal_world;
@@ -45,7 +40,7 @@ Fragment surface_at_fragment() {
     vec4 base_color = material_base_color();
     vec2 roughness_metallic = MATERIAL_SAMPLE(METALLIC_ROUGHNESS, vec4(1.0)).gb;
     vec3 normal_sample = MATERIAL_SAMPLE(NORMAL, vec4(0.5, 0.5, 1.0, 1.0)).rgb;
-    float occlusion_sample = AMBIENT ? MATERIAL_SAMPLE(OCCLUSION, vec4(1.0)).r : 1.0;
+    float occlusion_sample = AMBIENT || OCCLUSION_TARGET ? MATERIAL_SAMPLE(OCCLUSION, vec4(1.0)).r : 1.0;
     vec3 emissive_sample = EMISSIVE ? MATERIAL_SAMPLE(EMISSIVE, vec4(1.0)).rgb : vec3(0.0);
     if (material_is_cut(base_color.a)) {
         discard;
@@ -80,22 +75,8 @@ vec3 indirect_light(Fragment fragment) {
     vec3 v = view_direction_world();
     float n_dot_v = clamp(dot(surface.normal_world, v), MIN_N_DOT_V, 1.0);
     if (AMBIENT) {
-        vec3 diffuse_nt = frame.ambient_nt.rgb;
-        vec3 specular_nt = frame.ambient_nt.rgb;
-        if (ENVIRONMENT) {
-            diffuse_nt += environment_irradiance_nt(surface.normal_world);
-            vec3 towards = dominant_direction(surface.normal_world, v, surface.roughness);
-            if (PROBES) {
-                specular_nt = specular_radiance_nt(surface.position_world, towards, surface.roughness, specular_nt);
-            } else {
-                specular_nt += environment_radiance_nt(towards, surface.roughness);
-            }
-        }
-        if (LIGHTMAP) {
-            // The map has all diffuse light, and knows better what it is hidden from.
-            diffuse_nt = vec3(0.0);
-        }
-        light += light_around(surface, n_dot_v, diffuse_nt, specular_nt, fragment.occlusion);
+        // A lightmap has all diffuse light, and knows better what it is hidden from.
+        light += reflected_around(surface, v, n_dot_v, fragment.occlusion, !LIGHTMAP);
     }
     if (LIGHTMAP) {
         light += lightmap_irradiance() / PI * diffuse_albedo(surface, n_dot_v);

@@ -47,6 +47,14 @@ void write_edge(bool is_masked) {
     }
 }
 
+layout(location = TARGET_OCCLUSION) out float target_occlusion;
+
+void write_occlusion(float occlusion) {
+    if (OCCLUSION_TARGET) {
+        target_occlusion = occlusion;
+    }
+}
+
 void write_depth() {
     if (DEPTH_TARGET) {
         target_depth = gl_FragCoord.z;
@@ -95,6 +103,13 @@ layout(INPUT_AT(INPUT_MORE_WORDS))
     uniform uinputAttachment input_more_words;
 layout(INPUT_AT(INPUT_LIGHT_WORD))
     uniform uinputAttachment input_light_word;
+
+layout(INPUT_AT(INPUT_OCCLUSION))
+    uniform inputAttachment input_occlusion;
+
+float gbuffer_read_occlusion() {
+    return OCCLUSION_TARGET ? input_load(input_occlusion).r : 1.0;
+}
 
 vec3 read_position() {
 #if defined(MULTISAMPLED) && defined(SUBPASS_LIGHTING)

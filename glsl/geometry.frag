@@ -17,6 +17,7 @@ void main() {
         light.rgb = indirect_light(fragment) * (frame.exposure * frame.light_scale);
     }
     write_edge(ALPHA_MASK);
+    write_occlusion(fragment.occlusion);
     gbuffer_write(fragment.surface, fragment.base_color, fragment.metallic, light);
     if (LIGHT_TARGET) {
         light_write(light);

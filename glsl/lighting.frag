@@ -9,6 +9,7 @@
 #include "gbuffer.glsl"
 #include "brdf.glsl"
 #include "light/direct.glsl"
+#include "light/around.glsl"
 #include "fog.glsl"
 #define ALL_PIXELS
 #include "tonemap.glsl"
@@ -45,8 +46,14 @@ void main() {
 #endif
     Surface surface = gbuffer_read();
     Reflected light = Reflected(vec3(0.0), vec3(0.0));
+    vec3 around = vec3(0.0); // complete
     if (surface.lit) {
         light = light_of(surface);
+        if (AMBIENT) {
+            vec3 v = view_direction_world();
+            float n_dot_v = clamp(dot(surface.normal_world, v), MIN_N_DOT_V, 1.0);
+            around = reflected_around(surface, v, n_dot_v, gbuffer_read_occlusion(), true);
+        }
     } else {
         // What nothing was written to may be no number, and 0 times that is none.
         surface.diffuse = vec3(0.0);
@@ -56,16 +63,16 @@ void main() {
     if (!FOLD) {
         float scale = frame.exposure * frame.light_scale;
         if (LIGHT_READ) {
-            gbuffer_add_light(complete(light, surface) * scale);
+            gbuffer_add_light((complete(light, surface) + around) * scale);
             return;
         }
-        target_light = vec4((SPLIT_LIGHT ? light.diffuse / PI : complete(light, surface)) * scale, 0.0);
+        target_light = vec4((SPLIT_LIGHT ? light.diffuse / PI : complete(light, surface) + around) * scale, 0.0);
         if (SPLIT_LIGHT) {
-            target_specular_light = vec4(light.specular * scale, 0.0);
+            target_specular_light = vec4((light.specular + around) * scale, 0.0);
         }
         return;
     }
-    vec3 exposed_light = complete(light, surface) * frame.exposure;
+    vec3 exposed_light = (complete(light, surface) + around) * frame.exposure;
     bool is_surface = surface.lit;
     if (LIGHT_READ) {
         vec4 stored = gbuffer_read_light(FOG || BACKGROUND);

@@ -50,6 +50,7 @@
 #define INPUT_LIGHT 11
 #define INPUT_SPECULAR_LIGHT 12
 #define INPUT_EDGE 20
+#define INPUT_OCCLUSION 21
 #define INPUT_LAYER_0 24
 #define INPUT_LAYER_1 25
 #define INPUT_LAYER_2 26
@@ -94,6 +95,7 @@
 #define TARGET_SPECULAR_LIGHT 12
 #define TARGET_OUTPUT 13
 #define TARGET_EDGE 20
+#define TARGET_OCCLUSION 21
 #define TARGET_BLOOM_LIGHT 14
 #define TARGET_LAYER_0 24
 #define TARGET_LAYER_1 25
@@ -187,6 +189,7 @@
 #define ID_DECAL_METALLIC 103
 #define ID_DECAL_TARGETS 104
 #define ID_DECAL_BLENDED 105
+#define ID_OCCLUSION_TARGET 110
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0

@@ -21,6 +21,7 @@ void main() {
     vec4 light = vec4(exposed_light * frame.light_scale, 0.0);
     if (GBUFFER) {
         write_edge(false);
+        write_occlusion(1.0);
         gbuffer_write(Surface(vec3(0.0), false, vec3(0.0), 0.0, vec3(0.0), vec3(0.0)), vec3(0.0), 0.0, light);
     }
     if (LIGHT_TARGET) {

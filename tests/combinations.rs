@@ -3,7 +3,7 @@
 
 mod common;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 use common::lavapipe::newer_lavapipe;
@@ -11,16 +11,16 @@ use common::pairs::pairwise;
 use common::render::{Gpu, difference, on_device};
 use common::scenes;
 use ontile::Error;
+use ontile::gpu::{RendererConfig, View};
+use ontile::picture::Picture;
 use ontile::plan::{
-    Edges, Layout, LightWay, Limits, Needs, Options, OutputFormat, Path, Plan, ResolveWay, Strategy, Tonemap,
+    BloomWay, DecalWay, Edges, Layout, LightWay, Limits, Needs, Options, OutputFormat, Path, Plan,
+    ResolveWay, Strategy, Tonemap, Translucency,
 };
-use ontile::scene::Scene;
+use ontile::scene::{Scene, Shadow};
 
 const SIZE: [u32; 2] = [96, 54];
 const SEED: u64 = 5;
-
-/// Of all combinations, refused ones included: what a layout or a way cannot do is refused with all that it is paired with.
-const LEAST_DRAWN_SHARE: f64 = 0.5;
 
 /// A choice of the frame, and whether the picture is the same whatever is chosen.
 struct Choice {
@@ -55,6 +55,20 @@ fn choices(limits: &Limits) -> Vec<Choice> {
         choice("depth pre-pass", true, &[false, true], |o, v| o.depth_prepass = v),
         choice("layout", false, Layout::ALL, |o, v| o.layout = v),
         choice("lights", false, &ways, |o, v| o.lights = v),
+        choice("decals", true, &[DecalWay::Auto, DecalWay::RasterOrder, DecalWay::Barrier], |o, v| {
+            o.decals = v
+        }),
+        choice("translucency", false, Translucency::ALL, |o, v| o.translucency = v),
+        choice(
+            "bloom",
+            false,
+            &[BloomWay::Off, BloomWay::Off, BloomWay::Previous, BloomWay::Store],
+            |o, v| {
+                o.bloom = v;
+            },
+        ),
+        choice("edge filter", false, &[false, false, false, true], |o, v| o.edge_filter = v),
+        choice("shadow volumes", false, &[false, false, true], |o, v| o.shadow_volumes = v),
         choice("path", false, &paths, |o, v| o.path = v),
         choice("samples", false, &[1, 4], |o, v| o.samples = v),
         choice("resolve", false, ResolveWay::ALL, |o, v| o.resolve = v),
@@ -65,7 +79,25 @@ fn choices(limits: &Limits) -> Vec<Choice> {
     ]
 }
 
-/// Scenes that need different stages; shadows aside, which are drawn alike before all of them.
+/// [`scenes::lights_only`], each light with a shadow.
+fn shadowed() -> Scene {
+    let mut scene = Scene { name: "shadowed".into(), ..scenes::lights_only() };
+    scene.lights.iter_mut().for_each(|light| light.shadow = Some(Shadow::default()));
+    scene
+}
+
+/// The second frame, to which bloom has come.
+fn picture(gpu: &Gpu<'_>, scene: &Scene, options: &Options) -> Picture {
+    let mut offscreen = gpu.offscreen(scene, gpu.plan(scene, options.clone()), RendererConfig::default());
+    let mut frame = || {
+        offscreen.render(&View { camera: &scene.cameras[0], exposure_ev: 0.0 }).unwrap();
+        offscreen.picture()
+    };
+    let first = frame();
+    if options.bloom == BloomWay::Off { first } else { frame() }
+}
+
+/// Scenes that need different stages.
 fn chosen_scenes() -> Vec<Scene> {
     vec![
         scenes::every_feature(),
@@ -74,64 +106,80 @@ fn chosen_scenes() -> Vec<Scene> {
         scenes::foggy(),
         scenes::lightmapped(),
         scenes::wholly_unlit(),
+        scenes::decal_scenes::decals(),
+        scenes::decal_scenes::decals_behind_glass(),
+        scenes::glass_scenes::glass_in_fog(),
+        shadowed(),
     ]
 }
 
-/// Draws the combinations; returns how many there were, and how many were refused.
-fn draw(gpu: &Gpu<'_>) -> [usize; 2] {
+/// The options of a row but for its scene, those of the plainest arrangement of the same picture, and what they are called.
+fn arranged(choices: &[Choice], row: &[usize]) -> (Options, Options, String) {
+    let mut arranged = Options { size: SIZE, ..Options::default() };
+    let (mut plain, mut name) = (arranged.clone(), String::new());
+    for (choice, &value) in choices.iter().zip(&row[1..]) {
+        let (text, set) = &choice.values[value];
+        set(&mut arranged);
+        name += &format!(", {} {text}", choice.name);
+        if !choice.keeps_picture {
+            set(&mut plain);
+        }
+    }
+    (arranged, plain, name)
+}
+
+/// Draws the combinations; returns how many there were, and which pairs of values the plan refuses whatever else is chosen.
+fn draw(gpu: &Gpu<'_>) -> (usize, Vec<String>) {
     let limits = gpu.device().limits();
+    // Advice that one frame after another gets, never a frame alone: the second clears what the first has stored.
+    gpu.excuse("BestPractices-RenderPass-redundant-store");
     if limits.merging.local_read.is_ok() {
-        // Layers of 1.4 (seen with 309 and 363; 1.3.239 does not) report a hazard of a render pass where a subpass depends on two
-        // earlier ones and the nearer orders an attachment by itself. Renderings have no subpasses: nothing of theirs is excused,
-        // and render passes are watched by the same test on the machine's own layer.
-        gpu.excuse(" in subpass ");
+        // Layers of 1.4 (seen with 309 and 363; 1.3.239 does not) report a hazard between the change of layout that a subpass begins
+        // with and its own use of the attachment, where it depends on two earlier subpasses and one of them alone orders that
+        // attachment. Only render passes change layouts so: nothing of renderings is excused, and render passes are watched by the
+        // same test on the machine's own layer.
+        gpu.excuse("which was previously written during an image layout transition initiated by ");
     }
     let (scenes, choices) = (chosen_scenes(), choices(&limits));
+    let needs: Vec<_> = scenes.iter().map(Needs::of).collect();
     let counts: Vec<_> =
         std::iter::once(scenes.len()).chain(choices.iter().map(|c| c.values.len())).collect();
+    let allowed = |row: &[usize]| {
+        let (arranged, _, name) = arranged(&choices, row);
+        match Plan::new(needs[row[0]].clone(), arranged, &limits) {
+            Ok(_) => true,
+            Err(Error::Unsupported { .. }) => false,
+            Err(error) => panic!("{}{name}: {error}", scenes[row[0]].name),
+        }
+    };
+    let (rows, impossible) = pairwise(&counts, SEED, allowed);
     let mut plainest = BTreeMap::new();
-    let rows = pairwise(&counts, SEED);
-    let mut refused = 0;
     for row in &rows {
         let scene = &scenes[row[0]];
-        let mut arranged = Options { size: SIZE, ..Options::default() };
-        let mut plain = arranged.clone();
-        let mut key = vec![row[0]];
-        let mut name = scene.name.clone();
-        for (choice, &value) in choices.iter().zip(&row[1..]) {
-            let (text, set) = &choice.values[value];
-            set(&mut arranged);
-            name += &format!(", {} {text}", choice.name);
-            if !choice.keeps_picture {
-                set(&mut plain);
-                key.push(value);
-            }
-        }
-        println!("{name}");
-        match Plan::new(Needs::of(scene), arranged.clone(), &limits) {
-            Ok(_) => {}
-            Err(Error::Unsupported { .. }) => {
-                refused += 1;
-                continue;
-            }
-            Err(error) => panic!("{name}: {error}"),
-        }
-        let picture = |options: &Options| gpu.picture(scene, gpu.plan(scene, options.clone()), 0.0);
-        let expected = plainest.entry(key).or_insert_with(|| picture(&plain));
-        if let Some(difference) = difference(expected, &picture(&arranged)) {
-            panic!("{name}: {difference}");
+        let (arranged, plain, name) = arranged(&choices, row);
+        println!("{}{name}", scene.name);
+        let matters = |i: usize| i == 0 || !choices[i - 1].keeps_picture;
+        let key: Vec<_> = (0..row.len()).filter(|&i| matters(i)).map(|i| row[i]).collect();
+        let expected = plainest.entry(key).or_insert_with(|| picture(gpu, scene, &plain));
+        if let Some(difference) = difference(expected, &picture(gpu, scene, &arranged)) {
+            panic!("{}{name}: {difference}", scene.name);
         }
     }
-    [rows.len(), refused]
+    let told = |choice: usize, value: usize| match choice {
+        0 => scenes[value].name.clone(),
+        _ => format!("{} {}", choices[choice - 1].name, choices[choice - 1].values[value].0),
+    };
+    let refused = impossible.iter().map(|&(i, a, j, b)| format!("{} with {}", told(i, a), told(j, b)));
+    (rows.len(), refused.collect())
 }
 
 #[test]
 fn combinations_draw_what_the_plainest_arrangement_draws() {
     on_device(None, |gpu| {
-        let [all, refused] = draw(gpu);
+        let (drawn, mut refused) = draw(gpu);
         let strategies = choices(&gpu.device().limits())[0].values.len();
-        println!("{all} combinations, {refused} of them refused, {strategies} strategies");
-        assert!((all - refused) as f64 >= LEAST_DRAWN_SHARE * all as f64, "{refused} of {all} refused");
+        refused.sort();
+        println!("{drawn} combinations, {strategies} strategies; refused: {refused:#?}");
     });
 }
 
@@ -153,7 +201,8 @@ fn run_test(command: &mut Command, name: &str) -> String {
 #[test]
 fn pairs_meet_and_a_seed_decides() {
     let values = [3, 2, 5, 4, 2];
-    let rows = pairwise(&values, 1);
+    let (rows, impossible) = pairwise(&values, 1, |_| true);
+    assert_eq!(impossible, []);
     for (i, j) in (0..5).flat_map(|j| (0..j).map(move |i| (i, j))) {
         for (a, b) in (0..values[i]).flat_map(|a| (0..values[j]).map(move |b| (a, b))) {
             assert!(
@@ -164,6 +213,11 @@ fn pairs_meet_and_a_seed_decides() {
     }
     // No fewer are possible than pairs of the two longest; the greedy way takes few more.
     assert!((20..30).contains(&rows.len()), "{}", rows.len());
-    assert_eq!(rows, pairwise(&values, 1));
-    assert_ne!(rows, pairwise(&values, 2));
+    assert_eq!(rows, pairwise(&values, 1, |_| true).0);
+    assert_ne!(rows, pairwise(&values, 2, |_| true).0);
+    // What is refused is drawn with nothing, all else is.
+    let refuses = |row: &[usize]| row[0] == 2 && row[2] > 1;
+    let (rows, impossible) = pairwise(&values, 1, |row| !refuses(row));
+    assert!(!rows.iter().any(|row| refuses(row)));
+    assert_eq!(BTreeSet::from_iter(impossible), BTreeSet::from([(0, 2, 2, 2), (0, 2, 2, 3), (0, 2, 2, 4)]));
 }

@@ -64,7 +64,8 @@ fn pictures_look_as_expected() {
             Options { bloom: BloomWay::Previous, bloom_strength: 0.2, size: SIZE, ..Options::default() };
         let lamps = all.iter().find(|scene| scene.name == "lamps").expect("it is shipped").clone();
         let mut all: Vec<_> = all.into_iter().map(plain).collect();
-        all.push(("every_feature_4_samples".into(), scenes::every_feature(), samples));
+        all.push(("every_feature_4_samples".into(), scenes::every_feature(), samples.clone()));
+        all.push(("stop_4_samples".into(), scenes::tram_stop(), samples));
         all.push(("lamps_bloom".into(), lamps, bloom));
         for (name, scene, options) in all {
             let mut offscreen = gpu.offscreen(&scene, gpu.plan(&scene, options), RendererConfig::default());

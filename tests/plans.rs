@@ -11,7 +11,11 @@ use ontile::plan::{
 use ontile::scene::Scene;
 
 fn plan(scene: &Scene, options: Options) -> Plan {
-    Plan::new(Needs::of(scene), options, &Limits::default()).unwrap_or_else(|e| panic!("{}: {e}", scene.name))
+    // Where decals change light from all around, occlusion has an attachment beside four others.
+    let needs = Needs::of(scene);
+    let max_color_attachments = if needs.occlusion.is_some() { 8 } else { 4 };
+    let limits = Limits { max_color_attachments, max_input_attachments: 8, ..Limits::default() };
+    Plan::new(needs, options, &limits).unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }
 
 fn separate() -> Options {
@@ -113,6 +117,8 @@ fn printed() -> Vec<(String, String)> {
         ("emissive_local_read".into(), local_read(&scenes::emissive(), LightWay::Auto)),
         ("emissive_local_read_stencil".into(), local_read(&scenes::emissive(), LightWay::Stencil)),
     ];
+    let samples = Options { samples: 4, ..default() };
+    plans.push(("shipped_stop_4_samples".into(), plan(&scenes::tram_stop(), samples)));
     for scene in scenes::shipped() {
         for &strategy in &Strategy::EVERYWHERE {
             let name = format!("shipped_{}_{strategy}", scene.name);
@@ -318,7 +324,7 @@ fn in_words(scene: &Scene, strategy: Strategy) -> Plan {
 
 /// On a device whose fragments are in order.
 fn ordered(scene: &Scene, options: Options) -> Plan {
-    let limits = Limits { ordered_attachment_access: true, ..Limits::default() };
+    let limits = Limits { ordered_attachment_access: true, max_color_attachments: 8, ..Limits::default() };
     Plan::new(Needs::of(scene), options, &limits).unwrap()
 }
 
@@ -326,7 +332,7 @@ fn ordered(scene: &Scene, options: Options) -> Plan {
 fn decals_are_ordered_as_the_device_and_the_layout_allow() {
     let [all, colors] = [scenes::decal_scenes::decals(), scenes::decal_scenes::color_decals()];
     let way = |scene: &Scene, layout, decals, ordered_attachment_access| {
-        let limits = Limits { ordered_attachment_access, ..Limits::default() };
+        let limits = Limits { ordered_attachment_access, max_color_attachments: 8, ..Limits::default() };
         let options = Options { layout, decals, ..Options::default() };
         Plan::new(Needs::of(scene), options, &limits).map(|plan| plan.decal_way.unwrap())
     };

@@ -66,6 +66,7 @@ fn options() -> Vec<Case> {
         });
     let decals = scenes::decal_scenes::color_decals();
     let others = [
+        ("stop, 4 samples", scenes::tram_stop(), Options { samples: 4, ..small() }),
         ("bloom", scenes::emissive(), Options { bloom: BloomWay::Previous, bloom_strength: 0.2, ..small() }),
         ("edge filter", lights(), Options { edge_filter: true, ..small() }),
         ("shadow volumes", Scene { lights: shadowed().lights[..1].to_vec(), ..shadowed() }, small()),

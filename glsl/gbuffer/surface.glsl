@@ -20,3 +20,6 @@ vec3 diffuse_of(vec3 base_color, float metallic) {
 vec3 f0_of(vec3 base_color, float metallic) {
     return mix(vec3(DIELECTRIC_F0), base_color, metallic);
 }
+
+// Whether geometry leaves to lighting how much light from all around arrives.
+layout(constant_id = ID_OCCLUSION_TARGET) const bool OCCLUSION_TARGET = false;

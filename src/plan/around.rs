@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Brdf, Needs, Options};
+use super::{Brdf, KindNeed, Needs, Options};
 use crate::environment::{DEFAULT_FACE_SIZE, TexelFormat, level_count, split_sum};
 use crate::scene::{Environment, Scene};
 use crate::{Error, Result};
@@ -80,7 +80,8 @@ pub struct AroundImage {
 /// The table of albedos, which a fit may stand in for, the cube of radiance and the lightmap, where the scene needs them.
 pub(super) fn images(needs: &Needs, options: &Options) -> Vec<AroundImage> {
     let side = split_sum::SIZE as u32;
-    let first = needs.kinds.iter().find(|n| n.kind.around.any());
+    let reflects = |n: &&KindNeed| n.kind.around.any() || (needs.painted_around.any() && !n.kind.unlit);
+    let first = needs.kinds.iter().find(reflects);
     let first = first.filter(|_| options.brdf != Brdf::Fitted);
     let mut images = Vec::new();
     images.extend(first.map(|first| AroundImage {

@@ -216,13 +216,23 @@ pub(super) fn resolve(
     Ok(Some(way))
 }
 
-/// What decals do not do, where a scene could expect it.
+/// What decals do to light that exists before lighting, where there is any.
 pub(super) fn note(needs: &Needs) -> Option<String> {
-    let prelit = needs.prelit.first().filter(|_| !needs.decals.is_empty())?;
-    let more = if needs.prelit.len() > 1 { " and more" } else { "" };
-    Some(format!(
-        "decals change what lights reflect; light that exists before lighting stays that of the surface below: {prelit}{more}"
-    ))
+    if needs.decals.is_empty() {
+        return None;
+    }
+    let stays: Vec<_> = needs.prelit.iter().map(String::as_str).collect();
+    let around = needs.painted_around.any();
+    let around = around
+        .then_some("lighting adds light from all around once decals are painted, so that it follows them");
+    let stays = (!stays.is_empty()).then(|| {
+        format!(
+            "light that exists before lighting stays that of the surface below decals: {}",
+            stays.join(", ")
+        )
+    });
+    let both: Vec<_> = around.map(str::to_owned).into_iter().chain(stays).collect();
+    (!both.is_empty()).then(|| both.join("; "))
 }
 
 /// Why fixed-function blending cannot paint a scene's decals on this G-buffer, if it cannot.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Around;
+use super::{Around, DecalKind};
 use crate::scene::{Instance, Scene};
 
 /// Where a mesh's TEXCOORD_1 leads to a lightmap.
@@ -37,6 +37,8 @@ impl LightmapNeed {
 pub struct SceneKinds<'a> {
     pub(super) scene: &'a Scene,
     pub(super) around: Around,
+    /// Whether decals change what opaque surfaces reflect of it, so that it is added once these are painted.
+    pub(super) is_painted: bool,
     /// Of each mesh, whether an instance of it has a part of the lightmap.
     lightmapped: Vec<bool>,
 }
@@ -44,11 +46,18 @@ pub struct SceneKinds<'a> {
 impl<'a> SceneKinds<'a> {
     /// Of a scene.
     pub fn new(scene: &'a Scene) -> Self {
-        let mut kinds =
-            Self { scene, around: Around::of(scene), lightmapped: vec![false; scene.meshes.len()] };
+        let mut kinds = Self {
+            scene,
+            around: Around::of(scene),
+            is_painted: false,
+            lightmapped: vec![false; scene.meshes.len()],
+        };
         for instance in scene.drawn_instances().filter(|i| has_part(scene, i)) {
             kinds.lightmapped[instance.mesh] = true;
         }
+        // Where a lightmap has the diffuse part of it, only geometry knows.
+        let paints = scene.decals.iter().any(|decal| DecalKind::new(scene, decal).is_some());
+        kinds.is_painted = paints && kinds.around.any() && !kinds.lightmapped.contains(&true);
         kinds
     }
 

@@ -108,7 +108,7 @@ impl LightWay {
 pub(super) fn pipelines(needs: &Needs, way: LightWay, edges: Edges) -> impl Iterator<Item = Pipeline> {
     let has_edges = edges != Edges::All;
     let one_by_one = way.is_one_by_one();
-    let at_once = !one_by_one || needs.global_lights() > 0;
+    let at_once = !one_by_one || needs.global_lights() > 0 || needs.painted_around.any();
     let shapes = VolumeShape::needed(needs).filter(move |_| one_by_one);
     let volumes = shapes.flat_map(move |shape| {
         let masked = way == LightWay::Stencil && shape != VolumeShape::Screen;

@@ -54,7 +54,8 @@ impl SurfaceKind {
         let material = &kinds.scene.materials[mesh.material];
         let lit = !material.unlit;
         let emissive = lit && material.emissive_factor != glam::Vec3::ZERO;
-        let around = if lit { kinds.around } else { Around::Nothing };
+        let is_painted = lit && kinds.is_painted && material.alpha_mode != AlphaMode::Blend;
+        let around = if lit && !is_painted { kinds.around } else { Around::Nothing };
         let mut kind = Self {
             unlit: material.unlit,
             vertex_color: !mesh.colors.is_empty(),
@@ -72,7 +73,7 @@ impl SurfaceKind {
             true,
             lit,
             lit && !mesh.tangents.is_empty(),
-            around.any() && material.occlusion_strength != 0.0,
+            (around.any() || is_painted) && material.occlusion_strength != 0.0,
             emissive,
         ];
         for (slot, (texture, wanted)) in Self::textures_of(material).into_iter().zip(wanted).enumerate() {
@@ -248,6 +249,11 @@ pub struct Needs {
     pub fog: Option<Fog>,
     /// Kinds of decals, in pipeline order; empty where nothing that is not blended is lit.
     pub decals: Vec<DecalNeed>,
+    /// What surfaces of the G-buffer receive from all around in lighting, once decals have painted them: what they reflect of it
+    /// is then no light that exists before.
+    pub painted_around: Around,
+    /// The first material whose occlusion lighting needs for that.
+    pub occlusion: Option<String>,
     /// Kinds of particles, in pipeline order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub particles: Vec<ParticleNeed>,
@@ -309,6 +315,9 @@ impl Needs {
             ask(|k| k.around == Around::Probes, "receives light of probes");
             prelit.extend(sky.then(|| "the environment is seen behind surfaces".to_owned()));
         }
+        let painted_around =
+            if of_scene.is_painted && lit_opaque.is_some() { of_scene.around } else { Around::Nothing };
+        let occlusion = first(|k| !k.unlit && !k.blend && k.samples(3)).map(|n| n.why.clone());
         // Where nothing is lit, lights are nothing.
         let lights = || scene.lights.iter().filter(|l| lit.is_some() && !l.is_dark());
         let count = |wanted: fn(&LightKind) -> bool| lights().filter(|l| wanted(&l.kind)).count();
@@ -348,6 +357,8 @@ impl Needs {
                 Background::Black | Background::Environment => None,
             },
             fog: scene.fog.filter(|fog| fog.density_per_m > 0.0 && !kinds.is_empty()),
+            painted_around,
+            occlusion: occlusion.filter(|_| painted_around.any()),
             decals: if lit_opaque.is_some() { decals::of(scene) } else { Vec::new() },
             particles: particles::of(scene),
             lit,

@@ -6,7 +6,7 @@ use super::brdf::DIELECTRIC_F0;
 use super::gbuffer::Attributes;
 use super::texture::{self, Encoding};
 use crate::plan::{Channels, DecalKind};
-use crate::scene::{Decal, Material, Scene, TextureRef};
+use crate::scene::{Decal, Instance, Material, Scene, TextureRef};
 
 /// A scene's decals in the order of painting.
 pub(super) struct Painter<'a> {
@@ -67,6 +67,18 @@ impl<'a> Painter<'a> {
             Some(painted) => replace(&surface, &store(&painted), placed.channels),
             None => surface,
         })
+    }
+
+    /// Whether what surfaces reflect of light from all around is looked at once they are painted: not where a lightmap has the diffuse
+    /// part of it.
+    pub(super) fn changes_light(&self) -> bool {
+        let has_part = |instance: &Instance| {
+            let mesh = &self.scene.meshes[instance.mesh];
+            let is_lit = !self.scene.materials[mesh.material].unlit;
+            instance.lightmap.is_some() && !mesh.texcoords[1].is_empty() && is_lit
+        };
+        let is_lightmapped = self.scene.lightmap.is_some() && self.scene.drawn_instances().any(has_part);
+        !self.decals.is_empty() && !is_lightmapped
     }
 
     /// Whether rounding of the place may decide whether a decal is painted there: it is at a face without falloff.

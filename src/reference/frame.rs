@@ -9,7 +9,7 @@ use super::around::{Around, Method};
 use super::decals::Painter;
 use super::edges::{SNAP_PX, is_creased, is_torn};
 use super::fog::fogged;
-use super::gbuffer::{Attributes, attributes};
+use super::gbuffer::{Attributes, attributes, emitting};
 use super::layers::{Blended, Layer, over};
 use super::media::{Film, behind};
 use super::particles::Sparks;
@@ -20,7 +20,7 @@ use super::tonemap::tonemap;
 use super::view::{Ray, View, Window};
 use super::visibility::{Hit, Visibility};
 use crate::environment::TexelFormat;
-use crate::plan::{Brdf, Format, GBuffer, LightPlace, Tonemap};
+use crate::plan::{Brdf, Format, GBuffer, Layout, LightPlace, Tonemap};
 use crate::scene::{Background, Camera, Scene};
 
 /// What is computed.
@@ -216,8 +216,16 @@ impl<'a> Tracer<'a> {
                     let exact = attributes(blended.visibility(), around, &view, position_world, hit);
                     let own = Settings { gbuffer: None, ..settings.clone() };
                     let none = Over::default();
-                    let light =
-                        finish(scene, (&view, [x, y]), &own, occlusion, exact, exact.prelit, none).linear;
+                    let light = finish(
+                        scene,
+                        (&view, [x, y]),
+                        &own,
+                        occlusion,
+                        exact,
+                        [exact.prelit, DVec3::ZERO],
+                        none,
+                    )
+                    .linear;
                     let alpha = blended.alpha(hit);
                     let (at, shown) = ((&ray, hit, opaque_m), (exact.normal_world, alpha, light));
                     match Film::new(blended.visibility(), &view, settings.exposure(), at, shown) {
@@ -230,6 +238,7 @@ impl<'a> Tracer<'a> {
             edge = edge || shine.edge;
             let over = Over { films: &films, layers: &layers, added_nt: shine.light_nt };
             let Some(hit) = centers.at(x, y) else {
+                let none = Attributes::default();
                 let sky = match scene.background {
                     Background::Environment => {
                         around.sky(view.ray_through_pixel([x, y]).direction.normalize())
@@ -238,11 +247,14 @@ impl<'a> Tracer<'a> {
                 };
                 return Pixel {
                     edge,
-                    ..finish(scene, (&view, [x, y]), settings, None, Attributes::default(), sky, over)
+                    ..finish(scene, (&view, [x, y]), settings, None, none, [sky, DVec3::ZERO], over)
                 };
             };
             let position_world = view.ray_through_pixel([x, y]).at(hit.distance);
-            let exact = attributes(visibility, around, &view, position_world, hit);
+            let (exact, arrives) = match decals.changes_light() {
+                true => emitting(visibility, &view, position_world, hit),
+                false => (attributes(visibility, around, &view, position_world, hit), 1.0),
+            };
             let light_factor = settings.exposure() * settings.light_scale;
             let stored = |surface: &Attributes| match &settings.gbuffer {
                 Some(gbuffer) => quantise(gbuffer, surface, &view, [x, y], light_factor),
@@ -252,8 +264,11 @@ impl<'a> Tracer<'a> {
             let edge = edge || decals.is_at_edge(position_world);
             let prelit = if settings.stores_prelit() { surface.prelit } else { exact.prelit };
             let surface = Attributes { prelit, ..surface };
-            let pixel = [x, y];
-            Pixel { edge, ..finish(scene, (&view, pixel), settings, occlusion, surface, prelit, over) }
+            let is_rounded = settings.gbuffer.as_ref().is_some_and(|gbuffer| gbuffer.layout != Layout::Exact);
+            let arrives = if is_rounded { (arrives * 255.0).round() / 255.0 } else { arrives };
+            let late = || around.reflected(&surface, view.to_viewer(position_world), arrives);
+            let light = [prelit, if decals.changes_light() && surface.lit { late() } else { DVec3::ZERO }];
+            Pixel { edge, ..finish(scene, (&view, [x, y]), settings, occlusion, surface, light, over) }
         });
         Frame { size: settings.size, pixels: pixels.collect() }
     }
@@ -281,7 +296,15 @@ pub fn shade_gbuffer(scene: &Scene, camera: &Camera, settings: &Settings, gbuffe
         let light = if settings.light_target { stored.light } else { DVec3::ZERO };
         let surface = decode(layout, &Stored { light, ..*stored }, &view, pixel, light_factor);
         let prelit = surface.prelit;
-        finish(scene, (&view, pixel), settings, occlusion.as_ref(), surface, prelit, Over::default())
+        finish(
+            scene,
+            (&view, pixel),
+            settings,
+            occlusion.as_ref(),
+            surface,
+            [prelit, DVec3::ZERO],
+            Over::default(),
+        )
     });
     Frame { size: settings.size, pixels: pixels.collect() }
 }
@@ -297,7 +320,7 @@ struct Over<'a> {
     added_nt: DVec3,
 }
 
-/// Adds the lights' reflection to `prelit`, then fog, then what lies over it, and applies the curve. The viewer is where the pixel's ray comes from, also
+/// Adds the lights' reflection, and light that is `late`, to `prelit`, then fog, then what lies over it, and applies the curve. The viewer is where the pixel's ray comes from, also
 /// where a stored position is beside it.
 fn finish(
     scene: &Scene,
@@ -305,7 +328,7 @@ fn finish(
     settings: &Settings,
     occlusion: Option<&Occlusion>,
     attributes: Attributes,
-    prelit: DVec3,
+    [prelit, late]: [DVec3; 2],
     Over { films, layers, added_nt }: Over,
 ) -> Pixel {
     let shadowed = Cell::new(0_u64);
@@ -318,6 +341,8 @@ fn finish(
     };
     let to_viewer = -view.ray_through_pixel(pixel).direction.normalize();
     let [diffuse, specular] = reflected_parts(settings.brdf, &attributes, to_viewer, scene, hidden);
+    // Complete, as specular light is.
+    let specular = specular + late;
     let factor = settings.exposure() * settings.light_scale;
     let linear = match settings.added_light() {
         Some((format, true)) => {

@@ -183,12 +183,28 @@ pub fn attributes(
     position_world: DVec3,
     hit: &Hit,
 ) -> Attributes {
+    let (mut attributes, occlusion) = emitting(visibility, view, position_world, hit);
+    if attributes.lit {
+        let mesh = interpolate(visibility, hit).mesh;
+        let to_viewer = view.to_viewer(position_world);
+        attributes.prelit += match lightmap_lx(visibility, around, hit, mesh) {
+            Some(light) => around.reflected_with_lightmap(&attributes, to_viewer, occlusion, light),
+            None => around.reflected(&attributes, to_viewer, occlusion),
+        };
+    }
+    attributes
+}
+
+/// The same without what it reflects of light from all around, and the share of that light which arrives.
+pub fn emitting(visibility: &Visibility, view: &View, position_world: DVec3, hit: &Hit) -> (Attributes, f64) {
     let surface = interpolate(visibility, hit);
     let material = surface.material;
     let base_color = base_color(visibility, hit, &surface).truncate();
     let depth = view.depth_from_distance(hit.distance);
     if material.unlit {
-        return Attributes { depth, position_world, base_color, prelit: base_color, ..Attributes::default() };
+        let unlit =
+            Attributes { depth, position_world, base_color, prelit: base_color, ..Attributes::default() };
+        return (unlit, 1.0);
     }
     let texel = |texture, encoding| slot(visibility, hit, surface.mesh, texture, encoding);
     let metallic_roughness = texel(&material.metallic_roughness_texture, Encoding::Linear);
@@ -201,20 +217,12 @@ pub fn attributes(
         base_color,
         metallic: f64::from(material.metallic_factor) * metallic_roughness.z,
         reflectance: None,
-        prelit: DVec3::ZERO,
+        prelit: emission(visibility, hit, &surface),
     };
     if let Some(transmission) = material.transmits() {
         attributes = remaining(transmission, &attributes);
     }
-    let emission = emission(visibility, hit, &surface);
     // glTF 2.0 section 3.9.3: 1 + strength * (sample - 1).
     let occlusion = texel(&material.occlusion_texture, Encoding::Linear).x;
-    let occlusion = 1.0 + f64::from(material.occlusion_strength) * (occlusion - 1.0);
-    let to_viewer = view.to_viewer(position_world);
-    let reflected = match lightmap_lx(visibility, around, hit, surface.mesh) {
-        Some(light) => around.reflected_with_lightmap(&attributes, to_viewer, occlusion, light),
-        None => around.reflected(&attributes, to_viewer, occlusion),
-    };
-    attributes.prelit = emission + reflected;
-    attributes
+    (attributes, 1.0 + f64::from(material.occlusion_strength) * (occlusion - 1.0))
 }

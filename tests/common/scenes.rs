@@ -43,6 +43,11 @@ pub fn shipped() -> Vec<Scene> {
     scenes
 }
 
+/// All that can be on the tile together.
+pub fn tram_stop() -> Scene {
+    shipped().into_iter().find(|scene| scene.name == "stop").expect("assets/ ships it")
+}
+
 /// The files of [`shipped`].
 pub fn shipped_files() -> Vec<PathBuf> {
     let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");

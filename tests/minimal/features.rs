@@ -19,8 +19,8 @@ mod table;
 type Objects = BTreeSet<String>;
 
 /// With what shadow volumes take.
-fn limits() -> Limits {
-    Limits { depth_clamp: true, ..Limits::default() }
+pub fn limits() -> Limits {
+    Limits { depth_clamp: true, max_color_attachments: 8, ..Limits::default() }
 }
 
 pub fn objects(scene: &Scene, options: &Options) -> Objects {

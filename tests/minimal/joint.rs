@@ -68,6 +68,12 @@ const JOINT: &[Joint] = &[
     // It is lit.
     Joint { of: [&["light that goes through"], &[]], objects: "medium:" },
     // Beyond the boxes.
+    // Lighting adds light from all around on what decals have painted.
+    Joint {
+        of: [&["a colour decal", "a decal"], AROUND],
+        objects: "lighting: AMBIENT, lighting: ENVIRONMENT, lighting: PROBES, lighting: HAS_ENVIRONMENT, lighting: binding, \
+          attachment occlusion, lighting: OCCLUSION_TARGET, lighting: input occlusion, surface lit: OCCLUSION_TARGET",
+    },
     Joint { of: [&["an environment"], &["probes"]], objects: "surface lit: HAS_ENVIRONMENT" },
 ];
 

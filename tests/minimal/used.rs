@@ -7,7 +7,7 @@ use super::common::scenes;
 use super::features::objects;
 use ontile::glam::Vec3;
 use ontile::gpu::{ExplainedKind, Explanation};
-use ontile::plan::{Limits, Needs, Options, Plan};
+use ontile::plan::{Needs, Options, Plan};
 use ontile::scene::{AlphaMode, Background, Decal, LightKind, Material, Mesh, Particles, Scene, TextureRef};
 
 /// Meshes that are drawn, with their materials.
@@ -305,7 +305,7 @@ fn problems(scene: &Scene) -> Vec<String> {
         .filter(unused)
         .map(|object| format!("{}: nothing uses '{object}'", scene.name))
         .collect();
-    let plan = Plan::new(Needs::of(scene), options, &Limits::default()).unwrap();
+    let plan = Plan::new(Needs::of(scene), options, &super::features::limits()).unwrap();
     let around: Vec<_> = plan.around.iter().map(|image| image.name.replace('_', " ")).collect();
     let others = ["globe maps", "shadow map", "static shadow map"];
     let mut uploaded: BTreeMap<String, usize> = BTreeMap::new();

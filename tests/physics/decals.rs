@@ -2,12 +2,14 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use ontile::glam::{Mat4, Vec3, Vec4};
+use ontile::environment::TexelFormat;
+use ontile::glam::{Mat4, Vec2, Vec3, Vec4};
 use ontile::plan::{Format, GBuffer};
 use ontile::reference::{Settings, View, decode, quantise, render};
 use ontile::scene::{Decal, DecalChannels, Image, Material, Sampler, Scene, Texture, TextureRef};
 
 use crate::SIZE;
+use crate::around::{sky, under_sky};
 use crate::error::Errors;
 use crate::gpu::{Ask, Gpu};
 use crate::layouts::{INTERPOLATED, STEP_OF_HALF, choices, layouts, lost, typical};
@@ -101,6 +103,50 @@ fn painted_surfaces_are_lit_as_the_reference_does() {
             let bare = render(&bare, camera, &rendered.settings);
             let painted = bare.pixels.iter().zip(&expected.pixels).filter(|(a, b)| a.display != b.display);
             assert!(painted.count() * 10 > bare.pixels.len(), "next to nothing is painted");
+        }
+    }
+    gpu.finish();
+}
+
+/// [`scene`] in light from all around, some of which an occlusion texture keeps off, and with a surface that glows.
+fn in_light_from_around() -> Scene {
+    let mut scene = Scene { name: "decals around".into(), ambient_nt: Vec3::new(0.2, 0.25, 0.3), ..scene() };
+    let occlusion = texel(&mut scene, [120, 255, 255, 255]);
+    for mesh in &mut scene.meshes {
+        mesh.texcoords[0] = vec![Vec2::ZERO; mesh.positions.len()];
+    }
+    for (index, material) in scene.materials.iter_mut().enumerate() {
+        material.occlusion_texture = occlusion.filter(|_| index % 2 == 0);
+        material.emissive_factor = Vec3::splat(if index == 1 { 0.1 } else { 0.0 });
+    }
+    scene
+}
+
+/// What decals paint reflects light from all around as it is painted: colour, normal, roughness and metallicness.
+#[test]
+fn painted_surfaces_reflect_light_from_all_around() {
+    let Some(gpu) = Gpu::open() else { return };
+    let under_sky = under_sky(in_light_from_around(), &sky(), TexelFormat::E5B9G9R9);
+    for (scene, is_sky) in [(in_light_from_around(), false), (under_sky, true)] {
+        let camera = &scene.cameras[0];
+        let rendered = gpu.render(&scene, camera, Ask::EXACT);
+        let expected = render(&scene, camera, &rendered.settings);
+        let errors = Errors::of_display(&expected, &rendered.light());
+        println!("{}: {errors}", scene.name);
+        assert_eq!(errors.check(), Ok(()), "{}", scene.name);
+        // Able to fail: the same decals without each of their channels.
+        let forget: [fn(&mut DecalChannels); 4] =
+            [|c| c.base_color = 0.0, |c| c.normal = 0.0, |c| c.roughness = 0.0, |c| c.metallic = 0.0];
+        for (channel, forget) in forget.into_iter().enumerate() {
+            let mut faulty = Scene { lights: Vec::new(), ..scene.clone() };
+            let dark = gpu.render(&faulty, camera, Ask::EXACT);
+            faulty.decals.iter_mut().for_each(|decal| forget(&mut decal.channels));
+            let errors = Errors::of_display(&render(&faulty, camera, &dark.settings), &dark.light());
+            // Ambient light comes from everywhere alike: no normal changes much of it.
+            assert!(
+                errors.check().is_err() || (channel == 1 && !is_sky),
+                "channel {channel} does not matter"
+            );
         }
     }
     gpu.finish();

@@ -16,7 +16,7 @@ use std::path::Path;
 /// What to render.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Case {
-    /// One of `scenes::built`, by name.
+    /// One of `scenes::built` or `scenes::shipped`, by name.
     pub scene: String,
     pub layout: Layout,
     pub depth: Option<DepthStore>,
@@ -100,8 +100,10 @@ impl Case {
     }
 
     fn scene(&self) -> Scene {
-        let mut scenes = scenes::built().into_iter();
-        let mut scene = scenes.find(|scene| scene.name == self.scene).expect("a scene of this name");
+        let named = |scene: &Scene| scene.name == self.scene;
+        let built = scenes::built().into_iter().find(named);
+        let shipped = || scenes::shipped().into_iter().find(named);
+        let mut scene = built.or_else(shipped).expect("a scene of this name");
         if self.shadow_volumes {
             scene.lights.iter_mut().for_each(|light| light.shadow = Some(Shadow::default()));
         }

@@ -92,3 +92,23 @@ fn several_samples_stay_on_the_tile() {
         frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
     }
 }
+
+/// Decals, four samples a pixel and blended surfaces at once; and, in place of these, shadow volumes.
+#[test]
+fn all_together_stays_on_the_tile() {
+    let Some(turnip) = turnip::find() else { return };
+    let of = |scene, layout| Case { samples: 4, ..Case::new(scene, layout) };
+    let oit = Translucency::Oit;
+    let cases = [
+        (5, of("stop", Layout::Metallic128)),
+        (5, of("stop", Layout::Ontile128)),
+        (5, Case { decals: DecalWay::Barrier, ..of("stop", Layout::Packed128) }),
+        (5, Case { lights: LightWay::Clusters, edges: Edges::Coverage, ..of("stop", Layout::Metallic128) }),
+        (6, Case { translucency: oit, ..of("stop", Layout::Metallic128) }),
+        (5, local_read(of("stop", Layout::Metallic128))),
+        (4, Case { shadow_volumes: true, ..of("decals", Layout::Metallic128) }),
+    ];
+    for (subpasses, case) in &cases {
+        frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
+    }
+}

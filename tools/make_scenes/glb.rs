@@ -23,6 +23,7 @@ pub struct Glb {
     extensions: BTreeSet<&'static str>,
     binary: Vec<u8>,
     is_child: BTreeSet<usize>,
+    scene_extras: Option<Value>,
 }
 
 impl Glb {
@@ -248,6 +249,11 @@ impl Glb {
         self.lists.get_mut("nodes").expect("the node exists")[node]["extras"] = json!({"ontile": ontile});
     }
 
+    /// The same of the scene.
+    pub fn scene_extras(&mut self, ontile: Value) {
+        self.scene_extras = Some(json!({"ontile": ontile}));
+    }
+
     /// Adds and places a pinhole camera with this vertical field of view. Its far plane is at infinity.
     pub fn perspective(&mut self, name: &str, yfov_deg: f32, pose: Pose) {
         let yfov = number(yfov_deg.to_radians());
@@ -274,7 +280,11 @@ impl Glb {
         let mut json = Map::new();
         json.insert("asset".into(), json!({"version": "2.0", "generator": "make_scenes"}));
         json.insert("scene".into(), json!(0));
-        json.insert("scenes".into(), json!([{"name": name, "nodes": roots}]));
+        let mut scene = json!({"name": name, "nodes": roots});
+        if let Some(extras) = self.scene_extras.take() {
+            scene["extras"] = extras;
+        }
+        json.insert("scenes".into(), json!([scene]));
         json.insert("buffers".into(), json!([{"byteLength": self.binary.len()}]));
         for (list, values) in std::mem::take(&mut self.lists) {
             json.insert(list.into(), Value::Array(values));

@@ -19,6 +19,7 @@ mod noise;
 mod pool;
 mod program;
 mod shape;
+mod stop;
 mod texture;
 mod unlit;
 

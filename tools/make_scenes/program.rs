@@ -1,6 +1,6 @@
 //! The command line: which scenes are made, and whether they are written or compared.
 
-use super::{bench, canyon, chapel, courtyard, decals, glass, grid, interior, lamps, pool, unlit};
+use super::{bench, canyon, chapel, courtyard, decals, glass, grid, interior, lamps, pool, stop, unlit};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::fs;
 use std::io::ErrorKind;
@@ -73,6 +73,8 @@ pub enum Shipped {
     Interior,
     /// A still life of things that glow
     Lamps,
+    /// A tram stop at dusk: everything at once
+    Stop,
     /// A pool of water beside a fire, with steam and sparks
     Pool,
     /// A poster and solids that no light touches
@@ -90,6 +92,7 @@ impl Shipped {
             Self::Grid => "grid.glb",
             Self::Interior => "interior.glb",
             Self::Lamps => "lamps.glb",
+            Self::Stop => "stop.glb",
             Self::Pool => "pool.glb",
             Self::Unlit => "unlit.glb",
         }
@@ -105,9 +108,16 @@ impl Shipped {
             Self::Grid => grid::glb(),
             Self::Interior => interior::glb(),
             Self::Lamps => lamps::glb(),
+            Self::Stop => stop::glb(),
             Self::Pool => pool::glb(),
             Self::Unlit => unlit::glb(),
         }
+    }
+
+    /// Its files, names and bytes: [`Self::glb`] and what that names.
+    fn files(self) -> Vec<(&'static str, Vec<u8>)> {
+        let sky = (self == Self::Stop).then(|| (stop::SKY, stop::sky()));
+        std::iter::once((self.file_name(), self.glb())).chain(sky).collect()
     }
 }
 
@@ -139,20 +149,21 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
         let list = differing.join(", ");
         return Err(format!("{directory}: {list} differ from what this program makes; run tools/scenes"));
     }
-    names.iter().try_for_each(|name| write(&arguments.output.join(name.file_name()), &name.glb()))
+    let files = names.iter().flat_map(|name| name.files());
+    files.into_iter().try_for_each(|(name, bytes)| write(&arguments.output.join(name), &bytes))
 }
 
 /// File names of those scenes that are not, byte for byte, in `directory`; absent files are among them.
 pub fn check(names: &[Shipped], directory: &Path) -> Result<Vec<&'static str>, String> {
     let mut differing = Vec::new();
-    for name in names {
-        let path = directory.join(name.file_name());
+    for (name, bytes) in names.iter().flat_map(|name| name.files()) {
+        let path = directory.join(name);
         let found = match fs::read(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => None,
             other => Some(other.map_err(|error| format!("{}: {error}", path.display()))?),
         };
-        if found.as_deref() != Some(&name.glb()) {
-            differing.push(name.file_name());
+        if found.as_deref() != Some(&bytes) {
+            differing.push(name);
         }
     }
     Ok(differing)

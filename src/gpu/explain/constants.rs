@@ -80,6 +80,10 @@ impl Elements<'_> {
                 (None, Some(blended)) => format!("{blended} is blended over it"),
                 (None, None) => "light is summed before the tone curve".into(),
             },
+            "OCCLUSION_TARGET" => {
+                let occluded = self.plan.needs.occlusion.clone().unwrap_or_default();
+                format!("{occluded} is occluded, which lighting has to know once decals are painted")
+            }
             "AMBIENT" => format!("{element} receives {}", self.around()),
             "ENVIRONMENT" => format!("{element} receives {}", self.around()),
             "PROBES" => format!("{element} receives {}", self.around()),

@@ -137,15 +137,17 @@ impl Family {
             | Pipeline::ShadowedLight => lighting.collect(),
         };
         let has_table = plan.options.brdf != Brdf::Fitted;
-        let around: &[u32] = match pipeline {
-            Pipeline::Surface(kind) => match kind.around {
-                Around::Nothing => &[],
-                Around::Ambient => &[SPLIT_SUM],
-                Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
-                Around::Probes => &[SPLIT_SUM, ENVIRONMENT, RADIANCE, PROBES],
-            },
-            Pipeline::Sky => &[ENVIRONMENT, RADIANCE],
-            _ => &[],
+        let received = match pipeline {
+            Pipeline::Surface(kind) => kind.around,
+            Pipeline::Lighting | Pipeline::EdgeLighting => plan.needs.painted_around,
+            _ => Around::Nothing,
+        };
+        let around: &[u32] = match received {
+            Around::Nothing if *pipeline == Pipeline::Sky => &[ENVIRONMENT, RADIANCE],
+            Around::Nothing => &[],
+            Around::Ambient => &[SPLIT_SUM],
+            Around::Environment => &[SPLIT_SUM, ENVIRONMENT, RADIANCE],
+            Around::Probes => &[SPLIT_SUM, ENVIRONMENT, RADIANCE, PROBES],
         };
         let lightmap: &[u32] = match pipeline {
             Pipeline::Surface(kind) if kind.has_lightmap() => &[LIGHTMAPS, LIGHTMAP],

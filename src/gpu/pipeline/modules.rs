@@ -47,7 +47,9 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             (Module::Fullscreen, Some(Module::Sky), constants.specialization())
         }
         Pipeline::Lighting | Pipeline::EdgeLighting => {
-            (Module::Fullscreen, Some(Module::Lighting), Specialization::default())
+            let has_environment = plan.needs.environment.is_some();
+            let around = Specialization::around(plan.needs.painted_around, is_rgbm(plan), has_environment);
+            (Module::Fullscreen, Some(Module::Lighting), around)
         }
         Pipeline::Edges => (Module::Fullscreen, Some(Module::Edges), Specialization::default()),
         Pipeline::LightMask(shape) => (Module::LightVolume, None, shape_constant(*shape)),
@@ -143,6 +145,7 @@ pub(in crate::gpu) fn gbuffer_constants(plan: &Plan) -> GBufferConstants {
         light_alpha: plan.light_target().is_none_or(|light| light.has_alpha()),
         light_read: plan.light_is_read(),
         light_added: plan.light_is_read() && !plan.folded,
+        occlusion: plan.has_gbuffer() && plan.needs.occlusion.is_some(),
         ..new
     }
 }

@@ -260,6 +260,8 @@ pub struct GBufferConstants {
     pub light_read: bool,
     /// Lights are added to it one by one.
     pub light_added: bool,
+    /// Geometry leaves occlusion to lighting.
+    pub occlusion: bool,
 }
 
 impl GBufferConstants {
@@ -275,6 +277,7 @@ impl GBufferConstants {
             light_alpha: true,
             light_read: false,
             light_added: false,
+            occlusion: false,
         }
     }
 
@@ -316,6 +319,7 @@ impl GBufferConstants {
             (const { shared("ID_LIGHT_ALPHA") }, self.light_alpha.into()),
             (const { shared("ID_LIGHT_READ") }, self.light_read.into()),
             (const { shared("ID_LIGHT_ADDED") }, self.light_added.into()),
+            (const { shared("ID_OCCLUSION_TARGET") }, self.occlusion.into()),
         ])
     }
 }

@@ -4,7 +4,7 @@ use super::decals;
 use super::depth::Depth;
 use super::{Asked, Frame, Stage, Use, added_light, translucency};
 use crate::plan::layout::{LightPlace, Target, Tells};
-use crate::plan::{Edges, Format};
+use crate::plan::{Edges, Format, Layout};
 
 /// Where triangles cover a part of a pixel.
 const EDGE: Target = Target {
@@ -13,6 +13,16 @@ const EDGE: Target = Target {
     holds: "r: 1 where a triangle covers some samples only, 1/2 where an alpha mask may",
     used_bits: 2,
     clear: Some([0.0; 4]),
+    tells: Tells::Surface,
+};
+
+/// How much of the light from all around arrives, where that is added in lighting.
+const OCCLUSION: Target = Target {
+    name: "occlusion",
+    format: Format::R8Unorm,
+    holds: "r: the share of light from all around that arrives",
+    used_bits: 8,
+    clear: None,
     tells: Tells::Surface,
 };
 
@@ -116,7 +126,14 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
         let why = "triangles that cover a part of a pixel's samples say so".to_owned();
         frame.add_target(&EDGE, false, why)
     });
-    let written = surface.iter().chain(&lights_added).chain(&edge).map(|&r| (r, Use::Write));
+    let occlusion = needs.occlusion.as_ref().map(|occluded| {
+        let why =
+            format!("{occluded} is occluded, and decals are painted before light from all around is added");
+        let format = if gbuffer.layout == Layout::Exact { Format::R32Float } else { OCCLUSION.format };
+        frame.add_target(&Target { format, used_bits: format.bits(), ..OCCLUSION }, false, why)
+    });
+    let written =
+        surface.iter().chain(&lights_added).chain(&edge).chain(&occlusion).map(|&r| (r, Use::Write));
     let geometry = Stage {
         name: "geometry",
         uses: written.chain(depth.drawn).collect(),
@@ -130,7 +147,7 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
     let test = depth.resource.filter(|_| one_by_one || marks_edges).map(|depth| (depth, test));
     let depth_read = depth.resource.filter(|_| depth.is_read);
     let how = |r: &usize| (*r, if modified.contains(r) { Use::Modify } else { Use::Read });
-    let read = depth_read.iter().chain(&surface).chain(&edge).map(how).chain(test);
+    let read = depth_read.iter().chain(&surface).chain(&edge).chain(&occlusion).map(how).chain(test);
     let adds = |r: &usize| (*r, Use::Blend);
     let lighting = Stage {
         name: "lighting",
@@ -139,8 +156,13 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
             true => std::iter::once((Frame::OUTPUT, Use::Write)).chain(read).collect(),
         },
         why: format!(
-            "{}{}{}",
+            "{}{}{}{}",
             asked.lights(),
+            if needs.painted_around.any() {
+                ", and light from all around on what decals have painted"
+            } else {
+                ""
+            },
             match (way.is_one_by_one(), in_gbuffer) {
                 (true, true) => ", each where its volume is, added in the shader in the order of drawing",
                 (true, false) => ", each where its volume is",

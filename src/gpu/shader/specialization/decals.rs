@@ -1,7 +1,7 @@
 //! Constants of decals.
 
 use super::{Specialization, shared};
-use crate::plan::Channels;
+use crate::plan::{Around, Channels};
 
 /// Constants of the module that paints decals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,6 +25,19 @@ impl DecalConstants {
             (const { shared("ID_DECAL_METALLIC") }, metallic.into()),
             (const { shared("ID_DECAL_TARGETS") }, self.targets),
             (const { shared("ID_DECAL_BLENDED") }, self.blended.into()),
+        ])
+    }
+}
+
+impl Specialization {
+    /// Of lighting, which adds what surfaces receive from all around; the rest is as in [`GeometryConstants`].
+    pub fn around(around: Around, rgbm: bool, has_environment: bool) -> Self {
+        Self::from_pairs(&[
+            (const { shared("ID_AMBIENT") }, (around >= Around::Ambient).into()),
+            (const { shared("ID_ENVIRONMENT") }, (around >= Around::Environment).into()),
+            (const { shared("ID_PROBES") }, (around >= Around::Probes).into()),
+            (const { shared("ID_RGBM") }, rgbm.into()),
+            (const { shared("ID_HAS_ENVIRONMENT") }, has_environment.into()),
         ])
     }
 }
