@@ -65,7 +65,7 @@ impl Transmission {
             Some("the index of refraction is not finite or below 1")
         } else if !(self.thickness_m >= 0.0 && self.thickness_m.is_finite()) {
             Some("the thickness is not finite or negative")
-        } else if !(self.attenuation_distance_m > 0.0) {
+        } else if self.attenuation_distance_m.is_nan() || self.attenuation_distance_m <= 0.0 {
             Some("the attenuation distance is not above 0")
         } else {
             None
