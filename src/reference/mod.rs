@@ -39,6 +39,7 @@ pub mod path;
 pub mod punctual;
 pub mod quantise;
 pub mod samples;
+mod settings;
 pub mod shade;
 pub mod shadow;
 pub mod texture;
@@ -50,9 +51,10 @@ pub mod visibility;
 #[cfg(test)]
 mod testing;
 
-pub use frame::{Frame, Pixel, Settings, Tracer, render, shade_gbuffer};
+pub use frame::{Frame, Pixel, Tracer, render, shade_gbuffer};
 pub use gbuffer::Attributes;
 pub use quantise::{Stored, decode, encode, quantise};
+pub use settings::Settings;
 pub use shade::shade;
 pub use shadow::Occlusion;
 pub use view::{View, Window};
