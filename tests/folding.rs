@@ -66,7 +66,7 @@ fn foldable() -> Vec<Scene> {
     all.extend(scenes::shipped());
     all.retain(|scene| {
         let needs = Needs::of(scene);
-        needs.lit.is_some() && needs.prelit.is_empty() && needs.blended.is_none()
+        needs.lit.is_some() && needs.prelit.is_empty() && needs.over_light().is_none()
     });
     assert!(!all.is_empty(), "no scene can be folded");
     all

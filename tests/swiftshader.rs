@@ -66,7 +66,12 @@ fn options() -> Vec<Case> {
         });
     let decals = scenes::decal_scenes::color_decals();
     let others = [
-        ("stop, 4 samples", scenes::tram_stop(), Options { samples: 4, ..small() }),
+        // Its fence and hedge are edges all over where they are small.
+        (
+            "stop, 4 samples",
+            scenes::tram_stop(),
+            Options { samples: 4, size: SIZE.map(|n| 2 * n), ..small() },
+        ),
         ("bloom", scenes::emissive(), Options { bloom: BloomWay::Previous, bloom_strength: 0.2, ..small() }),
         ("edge filter", lights(), Options { edge_filter: true, ..small() }),
         ("shadow volumes", Scene { lights: shadowed().lights[..1].to_vec(), ..shadowed() }, small()),

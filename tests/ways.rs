@@ -159,8 +159,8 @@ fn words_take_light_by_light() {
     const E5B9G9R9_HALF_STEP: f32 = 1.0 / 512.0;
     on_device(None, |gpu| {
         let mut wrong = Vec::new();
-        // What is blended is blended over light in a target of its own.
-        let blends = |scene: &Scene| Needs::of(scene).blended.is_some();
+        // What comes over light is blended over it in a target of its own.
+        let blends = |scene: &Scene| Needs::of(scene).over_light().is_some();
         for scene in scenes_with_a_gbuffer().into_iter().filter(|scene| !blends(scene)) {
             let at_once = match scene.name.starts_with("many_lights") {
                 true => most_lights_at_once(&scene),

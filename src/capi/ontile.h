@@ -89,6 +89,8 @@ typedef enum OntileKind {
   ONTILE_KIND_DECAL = 6,
   /// A camera of a file: ontile_world_camera reads it.
   ONTILE_KIND_CAMERA = 7,
+  /// OntileParticles.
+  ONTILE_KIND_PARTICLES = 8,
 } OntileKind;
 
 /// What a light is.
@@ -299,6 +301,16 @@ typedef struct OntileMaterial {
   bool double_sided;
   /// Shown as its base colour.
   bool unlit;
+  /// The share of light that goes through, 0 to 1; at 0 nothing below counts (KHR_materials_transmission, _ior, _volume).
+  float transmission_factor;
+  /// Index of refraction, at least 1.
+  float ior;
+  /// The longest way through, metres; 0 is a thin pane.
+  float thickness;
+  /// What is left of white light after attenuation_distance: linear Rec.709.
+  float attenuation_color[3];
+  /// Metres; 0 counts as infinite.
+  float attenuation_distance;
 } OntileMaterial;
 
 /// A picture and how it is sampled.
@@ -388,6 +400,34 @@ typedef struct OntileDecal {
   /// Those of lower priority are painted first.
   float priority;
 } OntileDecal;
+
+/// A square that faces the camera and adds light.
+typedef struct OntileParticle {
+  /// Its middle, world space, metres.
+  float position[3];
+  /// Its side, metres.
+  float size;
+  /// Counter-clockwise on the image, radians.
+  float rotation;
+  /// Multiplies the material's emission; linear Rec.709.
+  float color[3];
+} OntileParticle;
+
+/// Particles of one material.
+typedef struct OntileParticles {
+  /// For messages; may be null.
+  const char *name;
+  /// Of a material, whose emission is what they add.
+  OntileId material;
+  /// They fade where something opaque is no farther behind them, metres.
+  float soft;
+  /// How many there are.
+  size_t count;
+  /// May be null where there are none.
+  const struct OntileParticle *particles;
+  /// How many there may be later without anything being made anew; what is less than count counts as count.
+  size_t most;
+} OntileParticles;
 
 #ifdef __cplusplus
 extern "C" {
@@ -655,6 +695,11 @@ enum OntileResult ontile_world_set_decal(struct OntileWorld *world,
                                          OntileId *id,
                                          const struct OntileDecal *decal);
 
+/// Adds particles, or puts them in others' place if `id` holds those others' name: each frame, as many as `most` allows.
+enum OntileResult ontile_world_set_particles(struct OntileWorld *world,
+                                             OntileId *id,
+                                             const struct OntileParticles *particles);
+
 /// Takes an element out. What others refer to stays: the message names who does.
 enum OntileResult ontile_world_remove(struct OntileWorld *world, uint32_t kind, OntileId id);
 
@@ -759,6 +804,11 @@ enum OntileResult ontile_world_set_light(struct OntileWorld *world,
 enum OntileResult ontile_world_set_decal(struct OntileWorld *world,
                                          OntileId *id,
                                          const struct OntileDecal *decal);
+
+/// Adds particles, or puts them in others' place if `id` holds those others' name: each frame, as many as `most` allows.
+enum OntileResult ontile_world_set_particles(struct OntileWorld *world,
+                                             OntileId *id,
+                                             const struct OntileParticles *particles);
 
 /// Takes an element out. What others refer to stays: the message names who does.
 enum OntileResult ontile_world_remove(struct OntileWorld *world, uint32_t kind, OntileId id);

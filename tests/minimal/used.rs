@@ -111,6 +111,8 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("attachment normal_roughness", deferred),
         ("attachment base_metallic", deferred),
         ("attachment light", summed),
+        // What decals leave of a surface is lit from all around after them.
+        ("attachment occlusion", decals && around && slot(3)),
         ("subpass geometry", true),
         ("subpass forward", lit && !deferred),
         ("subpass lighting", deferred),

@@ -309,7 +309,8 @@ impl Reflection {
             };
             match class {
                 StorageClass::Uniform | StorageClass::StorageBuffer => {
-                    let set = if name == "material" { of_material } else { "SET_FRAME" };
+                    let set =
+                        if ["material", "medium"].contains(&&*name) { of_material } else { "SET_FRAME" };
                     resource(set, format!("BINDING_{}", name.to_uppercase()));
                 }
                 StorageClass::UniformConstant => match upper("input_") {

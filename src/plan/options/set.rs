@@ -7,18 +7,23 @@ use crate::{Error, Result};
 
 type Set = fn(&mut Options, &str) -> Result<(), String>;
 
+fn read<T: FromStr<Err: ToString>>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|error: T::Err| {
+        // Those of choices say what was typed.
+        let told = error.to_string();
+        if told.starts_with('\'') { told } else { format!("'{text}': {told}") }
+    })
+}
+
 /// Reads a value into its place.
 fn to<T: FromStr<Err: ToString>>(place: &mut T, text: &str) -> Result<(), String> {
-    *place = text.parse().map_err(|error: T::Err| format!("'{text}': {}", error.to_string()))?;
+    *place = read(text)?;
     Ok(())
 }
 
 /// Likewise where `auto` leaves it open.
 fn to_some<T: FromStr<Err: ToString>>(place: &mut Option<T>, text: &str) -> Result<(), String> {
-    match text {
-        "auto" => *place = None,
-        _ => *place = Some(text.parse().map_err(|error: T::Err| format!("'{text}': {}", error.to_string()))?),
-    }
+    *place = if text == "auto" { None } else { Some(read(text)?) };
     Ok(())
 }
 
@@ -116,7 +121,7 @@ mod tests {
         options.set("normals", "auto").unwrap();
         assert_eq!(options.normals, None);
         for (name, value, what) in [
-            ("lights", "many", "'many' is not one of: auto"),
+            ("lights", "many", "option 'lights': 'many' is not one of: fullscreen"),
             ("lamps", "1", "use one of: size, strategy"),
             ("size", "12", "'12' is not a size like 1280x720"),
             ("samples", "-1", "option 'samples': '-1'"),
