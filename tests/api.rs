@@ -129,7 +129,7 @@ impl Lister<'_> {
         }
         let public: Vec<_> = module.children.iter().filter(|(_, (public, _))| *public).collect();
         for (name, _) in public {
-            self.module(&[path, &[name.clone()]].concat());
+            self.module(&[path, std::slice::from_ref(name)].concat());
         }
     }
 

@@ -49,12 +49,27 @@ impl Turnip {
     /// Runs the command and reads its trace. The driver writes that to a file of its own in `folder`: on standard output it
     /// would mix with the program's lines, since each has its own buffer.
     ///
+    /// Under load the driver's threads now and then mix lines of the trace itself. Such a trace is not well-formed, so the command is
+    /// run again, three times at most; what is well-formed is taken as it is.
+    ///
     /// # Errors
     /// [`Error::Io`] if it cannot be run; [`Error::Unsupported`] with the program's output if it fails; [`Error::Input`] if
     /// the trace is not well-formed.
     pub fn trace(mut command: Command, folder: &Path) -> Result<TurnipRun> {
+        const MOST_RUNS: usize = 3;
         let file = folder.join("trace.txt");
         command.env("MESA_GPU_TRACEFILE", &file);
+        let mut traced = Self::trace_once(&mut command, &file);
+        for _ in 1..MOST_RUNS {
+            if !matches!(traced, Err(Error::Input { .. })) {
+                break;
+            }
+            traced = Self::trace_once(&mut command, &file);
+        }
+        traced
+    }
+
+    fn trace_once(command: &mut Command, file: &Path) -> Result<TurnipRun> {
         let program = PathBuf::from(command.get_program());
         let output = command.output().map_err(|e| Error::io(&program, "run", e))?;
         let stderr = String::from_utf8_lossy(&output.stderr);
@@ -65,8 +80,8 @@ impl Turnip {
                 "see what it says; tools/tilers unpacks the driver",
             ));
         }
-        let trace = std::fs::read_to_string(&file).unwrap_or_default();
-        let trace = TilerTrace::parse(&file, &format!("{trace}\n{stderr}"))?;
+        let trace = std::fs::read_to_string(file).unwrap_or_default();
+        let trace = TilerTrace::parse(file, &format!("{trace}\n{stderr}"))?;
         Ok(TurnipRun { trace, output })
     }
 }

@@ -129,11 +129,14 @@ fn table(page: &mut String, points: &[&Point]) {
     }
 }
 
+/// Where a point is across, and how far it spreads to either side.
+type Across<'a> = dyn Fn(&Point, &Figures) -> (f64, Option<[f64; 2]>) + 'a;
+
 fn scatter(series: Series, points: &[&Point]) -> Option<Scatter> {
     let measured: Vec<_> =
         points.iter().filter_map(|point| Some((*point, point.outcome.as_ref().ok()?))).collect();
     let (first, figures) = measured.first()?;
-    let field = |x_label: &str, x: &dyn Fn(&Point, &Figures) -> (f64, Option<[f64; 2]>)| {
+    let field = |x_label: &str, x: &Across<'_>| {
         let mark = |(color, (point, figures)): (usize, &(&Point, &Figures))| {
             let (x, spread) = x(point, figures);
             let error = figures.error.max(1e-9);
