@@ -37,7 +37,7 @@ pub enum Stage {
 }
 
 /// A shader module: one source each. All that sets pipelines apart are specialisation constants, G-buffer layouts included: what
-/// a constant leaves without use, targets and inputs too, is removed ([`prune`]).
+/// a constant leaves without use, targets and inputs too, is removed (`prune`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Module {
     /// Places a mesh.

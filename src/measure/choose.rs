@@ -46,7 +46,7 @@ impl Goal {
         if self.metric == ErrorMetric::Psnr { figure >= self.limit } else { figure <= self.limit }
     }
 
-    /// The predicted figure and what the probe does not know: see [`MARGIN`].
+    /// The predicted figure and what the probe does not know: see `MARGIN`.
     pub fn with_margin(&self, predicted: &Predicted) -> f64 {
         let figure = predicted.of(self.metric);
         match self.metric {

@@ -72,7 +72,7 @@ pub enum Store {
 /// An attachment as one pass sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct PassAttachment {
-    /// Index into [`Plan::attachments`].
+    /// Index into [`Plan::attachments`](super::Plan::attachments).
     pub attachment: usize,
     /// At the pass's begin.
     pub load: Load,
