@@ -42,7 +42,7 @@
 //!
 //! - A [`plan`] is data. It names no Vulkan type and opens no device, prints itself with its reasons, and is the same for
 //!   the same needs, options and limits.
-//! - Vulkan is named in [`gpu`] alone, where all `unsafe` code is too; glTF in the loader of [`scene`] alone.
+//! - Vulkan is named in [`gpu`] and the C interface alone, where all `unsafe` code is too; glTF in the loader of [`scene`] alone.
 //! - The [`mod@reference`] reads scene and plan and nothing of [`gpu`], so the two can be compared.
 //! - What a scene does not need does not exist: without textures nothing is sampled; without emission, ambient light or
 //!   unlit surfaces there is no light target, and lighting writes the final image itself.

@@ -17,7 +17,7 @@ struct Rule {
 
 const RULES: &[Rule] = &[
     Rule {
-        what: "Vulkan is named only by the GPU side and the error type",
+        what: "Vulkan is named only by the GPU side, the C interface and the error type",
         within: &["src/"],
         except: &["src/gpu/", "src/capi/", "src/error.rs"],
         words: &["ash", "vk"],

@@ -2,15 +2,16 @@
 
 mod common;
 
-use common::render::{difference, on_device};
+use common::render::{Gpu, difference, on_device};
 use common::scenes::media_scenes::water;
 use common::scenes::particle_scenes::sparks;
-use ontile::glam::Vec3;
+use ontile::glam::{DVec3, Vec3};
 use ontile::gpu::{RendererConfig, View};
+use ontile::picture::{Picture, Pixels};
 use ontile::plan::{Layout, Options, OutputFormat, Tonemap};
 use ontile::reference::Settings;
 use ontile::reference::samples::{STANDARD_4, supersampled};
-use ontile::scene::Particle;
+use ontile::scene::{Particle, Scene};
 
 const SIZE: [u32; 2] = [160, 90];
 
@@ -54,6 +55,25 @@ fn particles_change_from_frame_to_frame() {
     });
 }
 
+/// Drawn with four samples a pixel.
+fn of_samples(gpu: &Gpu<'_>, scene: &Scene) -> Picture {
+    let options = Options {
+        size: SIZE,
+        samples: 4,
+        layout: Layout::Exact,
+        output: OutputFormat::Rgba32Float,
+        tonemap: Tonemap::Aces,
+        ..Options::default()
+    };
+    gpu.picture(scene, gpu.plan(scene, options), 0.0)
+}
+
+/// What the reference makes of it with samples in the same places.
+fn referred(scene: &Scene) -> Vec<DVec3> {
+    let settings = Settings { size: SIZE, tonemap: Tonemap::Aces, ..Settings::default() };
+    supersampled(scene, &scene.cameras[0], &settings, &STANDARD_4, |pixel| pixel.display)
+}
+
 /// Four samples a pixel: the fade of a pixel is the mean over the samples that particles are in front of, and a square's edge is as
 /// smooth as a triangle's.
 #[test]
@@ -65,22 +85,13 @@ fn samples_of_particles_are_those_of_the_reference() {
         let mut scene = sparks().without_shadows();
         // Light of particles alone: what is lit has its own tests.
         scene.lights.clear();
-        let options = Options {
-            size: SIZE,
-            samples: 4,
-            layout: Layout::Exact,
-            output: OutputFormat::Rgba32Float,
-            tonemap: Tonemap::Aces,
-            ..Options::default()
-        };
-        let picture = gpu.picture(&scene, gpu.plan(&scene, options), 0.0);
-        let settings = Settings { size: SIZE, tonemap: Tonemap::Aces, ..Settings::default() };
-        let expected = supersampled(&scene, &scene.cameras[0], &settings, &STANDARD_4, |pixel| pixel.display);
+        let picture = of_samples(gpu, &scene);
+        let expected = referred(&scene);
         let rms = rms(&picture, &expected);
         println!("off by {rms:.5}");
         assert!(rms < MAX_RMS, "{rms}");
         scene.particles[0].soft_m = 0.0;
-        let hard = supersampled(&scene, &scene.cameras[0], &settings, &STANDARD_4, |pixel| pixel.display);
+        let hard = referred(&scene);
         assert!(self::rms(&picture, &hard) > MAX_RMS, "a hard cut is not told apart");
     });
 }
@@ -92,31 +103,22 @@ fn samples_of_water_are_those_of_the_reference() {
     const MAX_RMS: f64 = 0.008;
     on_device(None, |gpu| {
         let mut scene = water().without_shadows();
-        let options = Options {
-            size: SIZE,
-            samples: 4,
-            layout: Layout::Exact,
-            output: OutputFormat::Rgba32Float,
-            tonemap: Tonemap::Aces,
-            ..Options::default()
-        };
-        let picture = gpu.picture(&scene, gpu.plan(&scene, options), 0.0);
-        let settings = Settings { size: SIZE, tonemap: Tonemap::Aces, ..Settings::default() };
-        let expected = supersampled(&scene, &scene.cameras[0], &settings, &STANDARD_4, |pixel| pixel.display);
+        let picture = of_samples(gpu, &scene);
+        let expected = referred(&scene);
         let found = rms(&picture, &expected);
         println!("off by {found:.5}");
         assert!(found < MAX_RMS, "{found}");
         let media = scene.materials.iter_mut().filter_map(|m| m.transmission.as_mut());
         media.for_each(|t| t.attenuation_distance_m *= 1.5);
-        let clearer = supersampled(&scene, &scene.cameras[0], &settings, &STANDARD_4, |pixel| pixel.display);
+        let clearer = referred(&scene);
         assert!(rms(&picture, &clearer) > MAX_RMS, "clearer water is not told apart");
     });
 }
 
-fn rms(picture: &ontile::picture::Picture, expected: &[ontile::glam::DVec3]) -> f64 {
-    let ontile::picture::Pixels::Rgba32F(found) = &picture.pixels else { unreachable!() };
+fn rms(picture: &Picture, expected: &[DVec3]) -> f64 {
+    let Pixels::Rgba32F(found) = &picture.pixels else { unreachable!() };
     let errors = found.chunks_exact(4).zip(expected).map(|(found, expected)| {
-        let found = ontile::glam::DVec3::new(found[0].into(), found[1].into(), found[2].into());
+        let found = DVec3::new(found[0].into(), found[1].into(), found[2].into());
         found.distance_squared(*expected)
     });
     (errors.sum::<f64>() / expected.len() as f64).sqrt()

@@ -1,4 +1,4 @@
-//! Vulkan, and the only `unsafe` code of the crate.
+//! Vulkan, and the only `unsafe` code of the crate but for the C interface.
 //!
 //! Ownership follows four rules:
 //!

@@ -16,6 +16,7 @@ mod gpu;
 mod layouts;
 mod light_scenes;
 mod media;
+mod over_light;
 mod particles;
 mod quantised;
 mod scenes;

@@ -1,19 +1,14 @@
 //! Light that goes through surfaces, against the reference, which knows the exact way through them.
 
 use ontile::glam::Vec3;
-use ontile::plan::{Layout, Path, Tonemap, Translucency};
+use ontile::plan::{Layout, Translucency};
 use ontile::reference::render;
-use ontile::scene::{Fog, Scene, Transmission};
+use ontile::scene::{Scene, Transmission};
 
 use crate::common::scenes::media_scenes::{water, water_alone, water_and_more};
 use crate::error::Errors;
 use crate::gpu::{Ask, Gpu};
-
-/// [`water`] in fog, with ambient light.
-fn misty() -> Scene {
-    let fog = Some(Fog { color_nt: Vec3::new(0.3, 0.35, 0.4), density_per_m: 0.15, height: None });
-    Scene { name: "misty".into(), fog, ambient_nt: Vec3::new(0.1, 0.12, 0.15), ..water() }
-}
+use crate::over_light::{catches, differing, misty};
 
 /// Without particles' texture, whose filter differs by driver.
 fn with_others() -> Scene {
@@ -25,22 +20,7 @@ fn with_others() -> Scene {
 #[test]
 fn light_that_is_let_through_is_the_references() {
     let Some(gpu) = Gpu::open() else { return };
-    let mut failed = Vec::new();
-    let paths = [Path::Deferred, Path::Forward, Path::ForwardMultipass];
-    for scene in [water(), misty(), with_others(), water_alone()] {
-        let camera = &scene.cameras[0];
-        for (path, tonemap) in
-            paths.into_iter().flat_map(|p| [Tonemap::Linear, Tonemap::Aces].map(|t| (p, t)))
-        {
-            let rendered = gpu.render(&scene, camera, Ask { path, tonemap, ..Ask::EXACT });
-            let expected = render(&scene, camera, &rendered.settings);
-            let errors = Errors::of_display(&expected, &rendered.light());
-            println!("{}, {path}, {tonemap}: {errors}", scene.name);
-            if let Err(reason) = errors.check() {
-                failed.push(format!("{}, {path}, {tonemap}: {reason}", scene.name));
-            }
-        }
-    }
+    let failed = differing(&gpu, [water(), misty(water()), with_others(), water_alone()]);
     gpu.finish();
     assert!(failed.is_empty(), "{failed:#?}");
 }
@@ -84,17 +64,10 @@ const FAULTS: &[Fault] = &[
 
 #[test]
 fn every_fault_of_media_is_caught() {
-    let Some(gpu) = Gpu::open() else { return };
-    let scene = water();
-    let camera = &scene.cameras[0];
-    let rendered = gpu.render(&scene, camera, Ask::EXACT);
-    for (name, fault) in FAULTS {
-        let mut faulty = scene.clone();
+    let spoilt = FAULTS.iter().map(|(name, fault)| {
+        let mut faulty = water();
         faulty.materials.iter_mut().filter_map(|m| m.transmission.as_mut()).for_each(fault);
-        let expected = render(&faulty, camera, &rendered.settings);
-        let errors = Errors::of_display(&expected, &rendered.light());
-        println!("{name}: {errors}");
-        assert!(errors.check().is_err(), "not caught: {name}");
-    }
-    gpu.finish();
+        (*name, faulty)
+    });
+    catches(&water(), spoilt);
 }

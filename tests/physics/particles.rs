@@ -1,13 +1,13 @@
 //! Light that particles add, against the reference, which goes by exact distances.
 
-use ontile::glam::Vec3;
-use ontile::plan::{DepthStore, Layout, Path, Tonemap};
+use ontile::plan::{DepthStore, Layout};
 use ontile::reference::render;
-use ontile::scene::{Fog, Scene};
+use ontile::scene::Scene;
 
 use crate::common::scenes::particle_scenes::{sparks, sparks_alone, sparks_and_glass};
 use crate::error::Errors;
 use crate::gpu::{Ask, Gpu};
+use crate::over_light::{catches, differing, misty, spoilt};
 
 /// What a texture filter of 8 fractional bits may be off by where a glow is dim, of the light.
 const MAX_FILTER_ERROR: f64 = 0.04;
@@ -18,31 +18,10 @@ fn plain(mut scene: Scene) -> Scene {
     scene
 }
 
-/// [`sparks`] in fog, with ambient light.
-fn misty() -> Scene {
-    let fog = Some(Fog { color_nt: Vec3::new(0.3, 0.35, 0.4), density_per_m: 0.15, height: None });
-    Scene { name: "misty".into(), fog, ambient_nt: Vec3::new(0.1, 0.12, 0.15), ..sparks() }
-}
-
 #[test]
 fn added_light_is_the_references() {
     let Some(gpu) = Gpu::open() else { return };
-    let mut failed = Vec::new();
-    let paths = [Path::Deferred, Path::Forward, Path::ForwardMultipass];
-    for scene in [sparks(), misty(), sparks_and_glass(), sparks_alone()].map(plain) {
-        let camera = &scene.cameras[0];
-        for (path, tonemap) in
-            paths.into_iter().flat_map(|p| [Tonemap::Linear, Tonemap::Aces].map(|t| (p, t)))
-        {
-            let rendered = gpu.render(&scene, camera, Ask { path, tonemap, ..Ask::EXACT });
-            let expected = render(&scene, camera, &rendered.settings);
-            let errors = Errors::of_display(&expected, &rendered.light());
-            println!("{}, {path}, {tonemap}: {errors}", scene.name);
-            if let Err(reason) = errors.check() {
-                failed.push(format!("{}, {path}, {tonemap}: {reason}", scene.name));
-            }
-        }
-    }
+    let failed = differing(&gpu, [sparks(), misty(sparks()), sparks_and_glass(), sparks_alone()].map(plain));
     let scene = sparks();
     let rendered = gpu.render(&scene, &scene.cameras[0], Ask::EXACT);
     let errors =
@@ -92,17 +71,6 @@ const FAULTS: &[Fault] = &[
 
 #[test]
 fn every_fault_of_particles_is_caught() {
-    let Some(gpu) = Gpu::open() else { return };
     let scene = plain(sparks());
-    let camera = &scene.cameras[0];
-    let rendered = gpu.render(&scene, camera, Ask::EXACT);
-    for (name, fault) in FAULTS {
-        let mut faulty = scene.clone();
-        fault(&mut faulty);
-        let expected = render(&faulty, camera, &rendered.settings);
-        let errors = Errors::of_display(&expected, &rendered.light());
-        println!("{name}: {errors}");
-        assert!(errors.check().is_err(), "not caught: {name}");
-    }
-    gpu.finish();
+    catches(&scene, spoilt(&scene, FAULTS));
 }

@@ -1,23 +1,14 @@
 //! Surfaces that are blended over others against the reference, which composes all that a ray meets in its exact order.
 
 use ontile::glam::Vec3;
-use ontile::plan::{Layout, LightFormat, Path, Tonemap, Translucency};
+use ontile::plan::{Layout, LightFormat, Path, Translucency};
 use ontile::reference::render;
 use ontile::scene::{AlphaMode, Background, Scene};
 
 use crate::common::scenes::glass_scenes::{crossing, glass, glass_alone, stacked};
 use crate::error::{Errors, MAX_RELATIVE_ERROR};
 use crate::gpu::{Ask, Gpu};
-
-/// Every path on which they are drawn.
-const PATHS: [Path; 3] = [Path::Deferred, Path::Forward, Path::ForwardMultipass];
-
-/// [`glass`] in fog, with ambient light.
-fn misty() -> Scene {
-    let fog =
-        Some(ontile::scene::Fog { color_nt: Vec3::new(0.3, 0.35, 0.4), density_per_m: 0.15, height: None });
-    Scene { name: "misty".into(), fog, ambient_nt: Vec3::new(0.1, 0.12, 0.15), ..glass() }
-}
+use crate::over_light::{catches, differing, misty, spoilt};
 
 /// [`glass`] over a colour that no curve is applied to.
 fn on_paper() -> Scene {
@@ -31,21 +22,7 @@ fn on_paper() -> Scene {
 #[test]
 fn blended_light_is_the_references() {
     let Some(gpu) = Gpu::open() else { return };
-    let mut failed = Vec::new();
-    for scene in [glass(), misty(), on_paper(), glass_alone()] {
-        let camera = &scene.cameras[0];
-        for (path, tonemap) in
-            PATHS.into_iter().flat_map(|p| [Tonemap::Linear, Tonemap::Aces].map(|t| (p, t)))
-        {
-            let rendered = gpu.render(&scene, camera, Ask { path, tonemap, ..Ask::EXACT });
-            let expected = render(&scene, camera, &rendered.settings);
-            let errors = Errors::of_display(&expected, &rendered.light());
-            println!("{}, {path}, {tonemap}: {errors}", scene.name);
-            if let Err(reason) = errors.check() {
-                failed.push(format!("{}, {path}, {tonemap}: {reason}", scene.name));
-            }
-        }
-    }
+    let failed = differing(&gpu, [glass(), misty(glass()), on_paper(), glass_alone()]);
     gpu.finish();
     assert!(failed.is_empty(), "{failed:#?}");
 }
@@ -73,19 +50,7 @@ const FAULTS: &[Fault] = &[
 
 #[test]
 fn every_fault_of_blending_is_caught() {
-    let Some(gpu) = Gpu::open() else { return };
-    let scene = glass();
-    let camera = &scene.cameras[0];
-    let rendered = gpu.render(&scene, camera, Ask::EXACT);
-    for (name, fault) in FAULTS {
-        let mut faulty = scene.clone();
-        fault(&mut faulty);
-        let expected = render(&faulty, camera, &rendered.settings);
-        let errors = Errors::of_display(&expected, &rendered.light());
-        println!("{name}: {errors}");
-        assert!(errors.check().is_err(), "not caught: {name}");
-    }
-    gpu.finish();
+    catches(&glass(), spoilt(&glass(), FAULTS));
 }
 
 /// Light above the range of ten bits behind glass: the light target that the plan picks holds it, whatever the layout.

@@ -4,9 +4,9 @@ use super::common::ignored;
 use super::common::render::{Gpu, difference, on_device};
 use super::common::scenes::decal_scenes::decals_behind_glass;
 use super::common::scenes::glass_scenes::{crossing, glass, glass_alone, glass_in_fog};
+use super::{error, light_of};
 use ontile::glam::DVec3;
-use ontile::picture::Pixels;
-use ontile::plan::{Layout, Needs, Options, OutputFormat, Plan, Strategy, Translucency};
+use ontile::plan::{Layout, Needs, Options, Plan, Strategy, Translucency};
 use ontile::reference::samples::{STANDARD_4, supersampled};
 use ontile::reference::{Frame, Pixel, Settings, render};
 use ontile::scene::Scene;
@@ -65,17 +65,7 @@ fn panes() -> Scene {
 }
 
 fn light(gpu: &Gpu<'_>, scene: &Scene, samples: u32, translucency: Translucency) -> Vec<DVec3> {
-    let (layout, output) = (Layout::Exact, OutputFormat::Rgba32Float);
-    let options = Options { size: SIZE, layout, output, samples, translucency, ..Options::default() };
-    let picture = gpu.picture(scene, gpu.plan(scene, options), 0.0);
-    let Pixels::Rgba32F(channels) = picture.pixels else { unreachable!("the output is of floats") };
-    channels.chunks(4).map(|c| DVec3::new(c[0].into(), c[1].into(), c[2].into())).collect()
-}
-
-/// Root of the mean squared difference.
-fn error(a: &[DVec3], b: &[DVec3]) -> f64 {
-    let squares: f64 = a.iter().zip(b).map(|(a, b)| (*a - *b).length_squared()).sum();
-    (squares / a.len() as f64).sqrt()
+    light_of(gpu, scene, Options { size: SIZE, samples, translucency, ..Options::default() })
 }
 
 /// The most that pixels without edges differ by, relative to the brighter.

@@ -2,9 +2,9 @@
 
 use super::common::render::{Gpu, on_device};
 use super::common::scenes;
+use super::{error, light_of};
 use ontile::glam::DVec3;
-use ontile::picture::Pixels;
-use ontile::plan::{Edges, Layout, Options, OutputFormat};
+use ontile::plan::{Edges, Options};
 use ontile::reference::samples::{STANDARD_4, grid, supersampled};
 use ontile::reference::{Pixel, Settings};
 use ontile::scene::Scene;
@@ -19,17 +19,7 @@ const MOST_LEFT: f64 = 0.8;
 const MOST_LEFT_IN_PLACE: f64 = 0.5;
 
 fn light(gpu: &Gpu<'_>, scene: &Scene, samples: u32, edges: Edges) -> Vec<DVec3> {
-    let (layout, output) = (Layout::Exact, OutputFormat::Rgba32Float);
-    let options = Options { size: SIZE, layout, output, samples, edges, ..Options::default() };
-    let picture = gpu.picture(scene, gpu.plan(scene, options), 0.0);
-    let Pixels::Rgba32F(channels) = picture.pixels else { unreachable!("the output is of floats") };
-    channels.chunks(4).map(|c| DVec3::new(c[0].into(), c[1].into(), c[2].into())).collect()
-}
-
-/// Root of the mean squared difference.
-fn error(a: &[DVec3], b: &[DVec3]) -> f64 {
-    let squares: f64 = a.iter().zip(b).map(|(a, b)| (*a - *b).length_squared()).sum();
-    (squares / a.len() as f64).sqrt()
+    light_of(gpu, scene, Options { size: SIZE, samples, edges, ..Options::default() })
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! A corner of a chapel at night, under one light of each kind: moonlight in a box through a stained-glass window, a
 //! projected rose, a star lantern, a hemisphere, and a lamp with a back colour.
 
-use super::glb::{Glb, Light, LightKind, Material, Pose};
+use super::glb::{Glb, Light, LightKind, Material, Pose, place};
 use super::mesh::{Mesh, Vertex};
 use super::noise::{hash, pick, smoothstep};
 use super::shape::{circle, cuboid, lathe, round_profile, sphere};
@@ -30,13 +30,6 @@ pub fn glb() -> Vec<u8> {
     glb.perspective("main", 42.0, Pose::looking(eye, Vec3::new(-0.15, 1.35, -1.0)));
     glb.perspective("floor", 40.0, Pose::looking(Vec3::new(0.3, 3.4, 2.6), Vec3::new(-0.1, 0.2, -0.7)));
     glb.finish("chapel")
-}
-
-fn place(glb: &mut Glb, name: &'static str, mesh: Mesh, material: &Material, pose: Pose) {
-    let geometry = glb.geometry(&mesh);
-    let material = glb.material(&Material { name, ..material.clone() });
-    let mesh = glb.mesh(name, &[(&geometry, material)]);
-    glb.place(name, mesh, pose);
 }
 
 /// A rectangle whose middle is at `center`, as wide and high as `right` and `up` are long.

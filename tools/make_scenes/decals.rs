@@ -1,13 +1,13 @@
 //! A corner of a workshop that has seen use: everything that makes it look so is a decal. Plain walls, a floor, a drum and a crate
 //! are painted, dented, polished and stained; one sign reaches around the corner, and what was painted later covers what was before.
 
-use super::glb::{Glb, Light, LightKind, Material, Pose, Slot};
+use super::glb::{Glb, Light, LightKind, Material, Pose, Slot, paint, place};
 use super::mesh::{Mesh, Vertex};
 use super::noise::{fractal, smoothstep};
 use super::shape::{circle, cuboid, lathe};
 use super::texture::{Surface, Texel, linear, masked_picture, srgb};
 use glam::{IVec2, Vec2, Vec3};
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// Where the walls meet.
 const CORNER_M: Vec2 = Vec2::new(-1.6, -1.5);
@@ -27,22 +27,6 @@ pub fn glb() -> Vec<u8> {
     glb.perspective("corner", 34.0, Pose::looking(Vec3::new(0.1, 1.5, 0.5), Vec3::new(-1.5, 1.35, -1.4)));
     glb.perspective("grazing", 40.0, Pose::looking(Vec3::new(0.9, 0.22, 1.6), Vec3::new(-0.5, 0.1, -0.9)));
     glb.finish("decals")
-}
-
-fn place(glb: &mut Glb, name: &'static str, mesh: Mesh, material: &Material, pose: Pose) {
-    let geometry = glb.geometry(&mesh);
-    let material = glb.material(&Material { name, ..material.clone() });
-    let mesh = glb.mesh(name, &[(&geometry, material)]);
-    glb.place(name, mesh, pose);
-}
-
-/// A decal: a box of this size around a place, which paints along its -Z.
-fn paint(glb: &mut Glb, name: &str, material: usize, pose: Pose, size_m: Vec3, more: Value) {
-    let node = glb.empty(name, pose);
-    let mut decal = json!({"material": material, "size": size_m.to_array()});
-    let more = more.as_object().cloned().unwrap_or_default();
-    decal.as_object_mut().expect("made as one").extend(more);
-    glb.extras(node, json!({"decal": decal}));
 }
 
 /// A rectangle whose texture runs in metres.

@@ -6,6 +6,7 @@ use super::mesh::Mesh;
 use super::texture::{Encoded, Mime, Surface};
 use glam::{Quat, Vec2, Vec3, Vec4};
 use serde_json::{Map, Value, json};
+use std::borrow::Borrow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Index of an accessor set in the file.
@@ -371,4 +372,21 @@ fn number(x: f32) -> Value {
 
 fn numbers<const N: usize>(values: [f32; N]) -> Value {
     Value::Array(values.into_iter().map(number).collect())
+}
+
+/// Places a mesh that nothing else uses, with a material of the same name.
+pub fn place(glb: &mut Glb, name: &'static str, mesh: impl Borrow<Mesh>, material: &Material, pose: Pose) {
+    let geometry = glb.geometry(mesh.borrow());
+    let material = glb.material(&Material { name, ..material.clone() });
+    let mesh = glb.mesh(name, &[(&geometry, material)]);
+    glb.place(name, mesh, pose);
+}
+
+/// A decal: a box of this size around a place, which paints along its -Z.
+pub fn paint(glb: &mut Glb, name: &str, material: usize, pose: Pose, size_m: Vec3, more: Value) {
+    let node = glb.empty(name, pose);
+    let mut decal = json!({"material": material, "size": size_m.to_array()});
+    let more = more.as_object().cloned().unwrap_or_default();
+    decal.as_object_mut().expect("made as one").extend(more);
+    glb.extras(node, json!({"decal": decal}));
 }

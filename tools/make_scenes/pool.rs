@@ -1,7 +1,7 @@
 //! A pool of water beside a fire in a walled garden at night: steps lead down into it, stones and a column stand in it, steam lies
 //! over it and sparks rise from the fire. What is blended, added and refracted after lighting, in one place.
 
-use super::glb::{Glb, Light, LightKind, Material, Medium, Pose, Slot};
+use super::glb::{Glb, Light, LightKind, Material, Medium, Pose, Slot, place};
 use super::mesh::{Mesh, planar_texcoord};
 use super::noise::{cellular, fractal, gradient_noise, pick, smoothstep};
 use super::shape::{circle, cuboid, lathe, sphere};
@@ -59,13 +59,6 @@ fn tiles(uv: Vec2) -> Vec3 {
 
 fn of(texture: Slot, per_m: f32, roughness: f32) -> Material {
     Material { base_color_texture: Some(texture.scaled(per_m)), roughness, ..Material::default() }
-}
-
-fn place(glb: &mut Glb, name: &'static str, mesh: &Mesh, material: &Material, pose: Pose) {
-    let geometry = glb.geometry(mesh);
-    let material = glb.material(&Material { name, ..material.clone() });
-    let mesh = glb.mesh(name, &[(&geometry, material)]);
-    glb.place(name, mesh, pose);
 }
 
 /// A block with texture coordinates of its place.

@@ -1,13 +1,13 @@
 //! A tram stop at dusk: all that can be on the tile at once. Setts with normal maps, a hedge and a fence with alpha masks, decals on
 //! ground, wall and bench, panes before each other, a lit poster, the low sun and a string of bulbs, a sky.
 
-use super::glb::{Glb, Light, LightKind, Material, Pose};
+use super::glb::{Glb, Light, LightKind, Material, Pose, paint, place};
 use super::mesh::{Mesh, Vertex};
 use super::noise::{cellular, fractal, pick, smoothstep, unit};
 use super::shape::{cuboid, lathe, sphere};
 use super::texture::{Surface, Texel, linear, masked_picture, picture, srgb};
 use glam::{IVec2, Vec2, Vec3};
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// The sky's file beside the scene's.
 pub const SKY: &str = "dusk.hdr";
@@ -60,22 +60,6 @@ pub fn sky() -> Vec<u8> {
         .encode(&pixels, size[0] as usize, size[1] as usize)
         .expect("memory is writable and sizes agree");
     bytes
-}
-
-fn place(glb: &mut Glb, name: &'static str, mesh: Mesh, material: &Material, pose: Pose) {
-    let geometry = glb.geometry(&mesh);
-    let material = glb.material(&Material { name, ..material.clone() });
-    let mesh = glb.mesh(name, &[(&geometry, material)]);
-    glb.place(name, mesh, pose);
-}
-
-/// A decal: a box of this size around a place, which paints along its -Z.
-fn paint(glb: &mut Glb, name: &str, material: usize, pose: Pose, size_m: Vec3, more: Value) {
-    let node = glb.empty(name, pose);
-    let mut decal = json!({"material": material, "size": size_m.to_array()});
-    let more = more.as_object().cloned().unwrap_or_default();
-    decal.as_object_mut().expect("made as one").extend(more);
-    glb.extras(node, json!({"decal": decal}));
 }
 
 /// An upright rectangle that stands on y = 0, its texture in metres, or (`once`) once over it.
