@@ -51,11 +51,11 @@ pub fn catches(scene: &Scene, faults: impl IntoIterator<Item = (&'static str, Sc
     gpu.finish();
 }
 
+/// A way in which the renderer might be wrong, done to what the reference is given instead.
+pub type Fault = (&'static str, fn(&mut Scene));
+
 /// The scene with each fault done to it.
-pub fn spoilt(
-    scene: &Scene,
-    faults: &'static [(&'static str, fn(&mut Scene))],
-) -> impl Iterator<Item = (&'static str, Scene)> {
+pub fn spoilt(scene: &Scene, faults: &'static [Fault]) -> impl Iterator<Item = (&'static str, Scene)> {
     let scene = scene.clone();
     faults.iter().map(move |(name, fault)| {
         let mut faulty = scene.clone();

@@ -7,7 +7,7 @@ use ontile::scene::Scene;
 use crate::common::scenes::particle_scenes::{sparks, sparks_alone, sparks_and_glass};
 use crate::error::Errors;
 use crate::gpu::{Ask, Gpu};
-use crate::over_light::{catches, differing, misty, spoilt};
+use crate::over_light::{Fault, catches, differing, misty, spoilt};
 
 /// What a texture filter of 8 fractional bits may be off by where a glow is dim, of the light.
 const MAX_FILTER_ERROR: f64 = 0.04;
@@ -52,9 +52,6 @@ fn they_fade_alike_with_every_layout() {
     assert_eq!(Errors::of_display(&expected, &rendered.light()).check_within(MAX_ERROR), Ok(()));
     gpu.finish();
 }
-
-/// A way in which the renderer might be wrong, done to what the reference is given instead.
-type Fault = (&'static str, fn(&mut Scene));
 
 const FAULTS: &[Fault] = &[
     ("nothing added", |scene| scene.particles.clear()),

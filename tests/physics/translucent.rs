@@ -8,7 +8,7 @@ use ontile::scene::{AlphaMode, Background, Scene};
 use crate::common::scenes::glass_scenes::{crossing, glass, glass_alone, stacked};
 use crate::error::{Errors, MAX_RELATIVE_ERROR};
 use crate::gpu::{Ask, Gpu};
-use crate::over_light::{catches, differing, misty, spoilt};
+use crate::over_light::{Fault, catches, differing, misty, spoilt};
 
 /// [`glass`] over a colour that no curve is applied to.
 fn on_paper() -> Scene {
@@ -26,9 +26,6 @@ fn blended_light_is_the_references() {
     gpu.finish();
     assert!(failed.is_empty(), "{failed:#?}");
 }
-
-/// A way in which the renderer might be wrong, done to what the reference is given instead.
-type Fault = (&'static str, fn(&mut Scene));
 
 const FAULTS: &[Fault] = &[
     ("nothing blended", |scene| {

@@ -120,7 +120,7 @@ fn basin(glb: &mut Glb, texture: Slot) {
         let size = Vec3::new(to - from, top - FLOOR_M, LENGTH_M - 0.01);
         parts.push(block(size, Vec3::new((from + to) * 0.5, (top + FLOOR_M) * 0.5, 0.0), 0.015));
     }
-    place(glb, "basin", &Mesh::merged(parts), &of(texture, 1.1, 0.35), Pose::origin());
+    place(glb, "basin", Mesh::merged(parts), &of(texture, 1.1, 0.35), Pose::origin());
 }
 
 /// What stands in the water, and what stands beside it.
@@ -141,12 +141,12 @@ fn things(glb: &mut Glb, texture: Slot) {
         1.0,
     );
     let marble = Material { base_color: linear(0xe8e0d0), roughness: 0.35, ..Material::default() };
-    place(glb, "column", &column.untextured(), &marble, Pose::at(0.75, FLOOR_M, -0.55));
+    place(glb, "column", column.untextured(), &marble, Pose::at(0.75, FLOOR_M, -0.55));
     let brass =
         Material { base_color: linear(0xe0b860), metallic: 1.0, roughness: 0.22, ..Material::default() };
-    place(glb, "ball", &sphere(0.12, 40, 20).untextured(), &brass, Pose::at(0.75, FLOOR_M + 1.78, -0.55));
+    place(glb, "ball", sphere(0.12, 40, 20).untextured(), &brass, Pose::at(0.75, FLOOR_M + 1.78, -0.55));
     let red = Material { base_color: linear(0xb03020), roughness: 0.4, ..Material::default() };
-    place(glb, "buoy", &sphere(0.16, 40, 20).untextured(), &red, Pose::at(0.15, WATER_M + 0.02, 0.35));
+    place(glb, "buoy", sphere(0.16, 40, 20).untextured(), &red, Pose::at(0.15, WATER_M + 0.02, 0.35));
     let jar = lathe(
         &[
             (0.0, 0.0),
@@ -213,7 +213,7 @@ fn water(glb: &mut Glb) {
         medium: Some(medium),
         ..Material::default()
     };
-    place(glb, "water", &surface.untextured(), &water, Pose::origin());
+    place(glb, "water", surface.untextured(), &water, Pose::origin());
 }
 
 /// A bowl of coals on a foot, and sparks over it.
@@ -243,7 +243,7 @@ fn fire(glb: &mut Glb) {
         48,
         1.0,
     );
-    place(glb, "brazier", &bowl.untextured(), &iron, Pose::at(FIRE.x, 0.0, FIRE.z));
+    place(glb, "brazier", bowl.untextured(), &iron, Pose::at(FIRE.x, 0.0, FIRE.z));
     let coals = Material {
         base_color: Vec3::splat(0.05),
         roughness: 0.9,
@@ -255,7 +255,7 @@ fn fire(glb: &mut Glb) {
         let around = circle(pick(i, 3)) * (0.19 * pick(i, 4).sqrt());
         sphere(0.05 + 0.03 * pick(i, 5), 12, 6).at(around.x, 0.02 * pick(i, 6), around.y)
     });
-    place(glb, "coals", &Mesh::merged(heap).untextured(), &coals, Pose::at(FIRE.x, FIRE.y - 0.06, FIRE.z));
+    place(glb, "coals", Mesh::merged(heap).untextured(), &coals, Pose::at(FIRE.x, FIRE.y - 0.06, FIRE.z));
     let glow = glb.texture(
         "glow",
         &picture(32, |uv| {
