@@ -206,7 +206,7 @@ fn normal_mapped(texel: [u8; 3], placement: Mat4) -> Frame {
     let normal_texture = Some(TextureRef { texture: 0, texcoord: 0, uv_from_texcoord: TextureRef::IDENTITY });
     let mut scene = scene(Material { normal_texture, ..matte(0.5) }, square(9.0), placement);
     scene.textures = vec![Texture { image: 0, sampler: Sampler::default() }];
-    scene.images = vec![Image { name: "n".into(), width: 1, height: 1, rgba8: vec![r, g, b, 255] }];
+    scene.images = vec![Image { name: "n".into(), width: 1, height: 1, texels: vec![r, g, b, 255].into() }];
     render(&scene, &camera(Vec3::Z * 4.0, Vec3::ZERO, PERSPECTIVE), &settings([4, 4]))
 }
 
@@ -348,7 +348,8 @@ fn textures_and_vertex_colours_multiply() {
     mesh.colors = vec![Vec4::new(1.0, 0.5, 0.25, 1.0); 4];
     let mut scene = scene(material, mesh, Mat4::IDENTITY);
     scene.textures = vec![Texture { image: 0, sampler: Sampler::default() }];
-    scene.images = vec![Image { name: "c".into(), width: 1, height: 1, rgba8: vec![255, 188, 188, 255] }];
+    scene.images =
+        vec![Image { name: "c".into(), width: 1, height: 1, texels: vec![255, 188, 188, 255].into() }];
     let frame = render(&scene, &camera(Vec3::Z * 4.0, Vec3::ZERO, PERSPECTIVE), &settings([2, 2]));
     let encoded = linear_from_srgb(188.0 / 255.0);
     let expected = DVec3::new(0.5, 0.25 * encoded, 0.125 * encoded);

@@ -117,6 +117,10 @@ pub struct OntileImage {
     pub height: u32,
     /// width * height * 4 bytes: red, green, blue, alpha.
     pub rgba8: *const u8,
+    /// Null, or a KTX 2.0 file in memory, which is taken instead of all but the name.
+    pub ktx2: *const u8,
+    /// Bytes of that file.
+    pub ktx2_bytes: usize,
 }
 
 /// What lies beyond a picture's edges.
@@ -159,6 +163,8 @@ pub struct OntileTexture {
     pub wrap_u: u32,
     /// An OntileWrap, along v.
     pub wrap_v: u32,
+    /// Samples where a pixel covers a long, narrow part of the picture: 16 at most; 0 and 1 are none.
+    pub max_anisotropy: u8,
 }
 
 /// A placement of a mesh.

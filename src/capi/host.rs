@@ -32,6 +32,14 @@ pub const ONTILE_FEATURE_SUBPASS_MERGE_FEEDBACK: u32 = 1 << 6;
 pub const ONTILE_FEATURE_SAMPLE_RATE_SHADING: u32 = 1 << 7;
 /// depthClamp: shadow volumes want it.
 pub const ONTILE_FEATURE_DEPTH_CLAMP: u32 = 1 << 8;
+/// `samplerAnisotropy`: samplers that ask for it do without otherwise.
+pub const ONTILE_FEATURE_SAMPLER_ANISOTROPY: u32 = 1 << 9;
+/// `textureCompressionBC`. Compressed pictures of a kind that is not enabled are decoded when they are uploaded.
+pub const ONTILE_FEATURE_TEXTURE_COMPRESSION_BC: u32 = 1 << 10;
+/// `textureCompressionETC2`.
+pub const ONTILE_FEATURE_TEXTURE_COMPRESSION_ETC2: u32 = 1 << 11;
+/// `textureCompressionASTC_LDR`.
+pub const ONTILE_FEATURE_TEXTURE_COMPRESSION_ASTC: u32 = 1 << 12;
 
 /// What a host lends. It was created for Vulkan 1.1 or later and stays the host's: it must live until all objects of ontile that were
 /// made with it are destroyed, and is not destroyed by ontile.
@@ -110,6 +118,10 @@ unsafe fn device_of(host: &OntileHost) -> Outcome<Device> {
                 subpass_merge_feedback: has(ONTILE_FEATURE_SUBPASS_MERGE_FEEDBACK),
                 sample_rate_shading: has(ONTILE_FEATURE_SAMPLE_RATE_SHADING),
                 depth_clamp: has(ONTILE_FEATURE_DEPTH_CLAMP),
+                sampler_anisotropy: has(ONTILE_FEATURE_SAMPLER_ANISOTROPY),
+                texture_compression_bc: has(ONTILE_FEATURE_TEXTURE_COMPRESSION_BC),
+                texture_compression_etc2: has(ONTILE_FEATURE_TEXTURE_COMPRESSION_ETC2),
+                texture_compression_astc: has(ONTILE_FEATURE_TEXTURE_COMPRESSION_ASTC),
             },
         })?)
     }

@@ -143,15 +143,22 @@ impl OntileImage {
     /// # Safety
     /// It has as many bytes as it says.
     pub(super) unsafe fn read(&self) -> Outcome<Image> {
+        // SAFETY: the caller's promise.
+        let name = unsafe { text(self.name, "image.name") }?;
+        if !self.ktx2.is_null() {
+            // SAFETY: the caller's promise.
+            let file = unsafe { list(self.ktx2, self.ktx2_bytes, "image.ktx2") }?;
+            let wrong = |problem| Failure::Argument(format!("image.ktx2 '{name}' {problem}"));
+            return Image::from_ktx2(name, file).map_err(wrong);
+        }
         let bytes = (self.width as usize).checked_mul(self.height as usize).and_then(|n| n.checked_mul(4));
         let bytes = bytes.ok_or_else(|| Failure::Argument("the image is too large".into()))?;
         Ok(Image {
-            // SAFETY: the caller's promise.
-            name: unsafe { text(self.name, "image.name") }?.to_owned(),
+            name: name.to_owned(),
             width: self.width,
             height: self.height,
             // SAFETY: the caller's promise.
-            rgba8: unsafe { list(self.rgba8, bytes, "image.rgba8") }?.to_vec(),
+            texels: unsafe { list(self.rgba8, bytes, "image.rgba8") }?.to_vec().into(),
         })
     }
 }
@@ -175,6 +182,7 @@ impl OntileTexture {
             },
             wrap_u: wrap("texture.wrap_u", self.wrap_u)?,
             wrap_v: wrap("texture.wrap_v", self.wrap_v)?,
+            max_anisotropy: self.max_anisotropy.clamp(1, 16),
         };
         Ok(Texture { image: index::<Image>(world, self.image, "texture.image")?, sampler })
     }

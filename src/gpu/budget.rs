@@ -13,7 +13,7 @@ use super::shared::{
     DecalData, FrameUniforms, InstanceData, LightData, MaterialData, MediumData, ParticleData, ShadowViewData,
 };
 use super::volume_casters::VolumeCasters;
-use super::{Geometry, RendererConfig};
+use super::{Features, Geometry, RendererConfig};
 use crate::Result;
 use crate::plan::Plan;
 use crate::scene::Scene;
@@ -29,11 +29,17 @@ pub struct MemoryBudget {
 
 impl MemoryBudget {
     /// What [`Renderer::new`](super::Renderer::new) and [`Renderer::create_target`](super::Renderer::create_target) will make for this
-    /// scene, of which the plan was made, and an output of this size in pixels.
+    /// scene, of which the plan was made, on a device with these features, and for an output of this size in pixels.
     ///
     /// # Errors
     /// [`crate::Error::Unsupported`] if a mesh's lists contradict each other, or an image's size is not that of its bytes.
-    pub fn new(scene: &Scene, plan: &Plan, config: &RendererConfig, size: [u32; 2]) -> Result<Self> {
+    pub fn new(
+        scene: &Scene,
+        plan: &Plan,
+        config: &RendererConfig,
+        features: Features,
+        size: [u32; 2],
+    ) -> Result<Self> {
         let slots = config.frames_in_flight.max(1) as u64;
         let objects = Objects::new(scene, plan);
         let decals = Decals::new(scene, plan);
@@ -71,7 +77,7 @@ impl MemoryBudget {
         });
         let renderer = [
             ("meshes", Geometry::bytes(&scene.meshes, &streams)?),
-            ("textures", texture_bytes(scene, plan, &objects, &others)?),
+            ("textures", texture_bytes(scene, plan, &objects, &others, features)?),
             (
                 "materials",
                 of(materials.len(), size_of::<MaterialData>()) + of(media, size_of::<MediumData>()),

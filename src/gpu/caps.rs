@@ -65,6 +65,15 @@ pub struct Caps {
     /// `depthClamp` and `shaderClipDistance`.
     #[serde(default)]
     pub depth_clamp: bool,
+    /// The `textureCompressionBC` feature.
+    #[serde(default)]
+    pub texture_compression_bc: bool,
+    /// The `textureCompressionETC2` feature.
+    #[serde(default)]
+    pub texture_compression_etc2: bool,
+    /// The `textureCompressionASTC_LDR` feature.
+    #[serde(default)]
+    pub texture_compression_astc: bool,
     /// Nanoseconds per timestamp step.
     pub timestamp_period_ns: f32,
     /// Meaningful bits of a timestamp on the queue family in use; 0 without timestamps.
@@ -261,6 +270,9 @@ impl Caps {
             integer_sample_counts: counts(sample_counts & integer_sample_counts),
             sample_rate_shading: features.sample_rate_shading == vk::TRUE,
             depth_clamp: features.depth_clamp == vk::TRUE && features.shader_clip_distance == vk::TRUE,
+            texture_compression_bc: features.texture_compression_bc == vk::TRUE,
+            texture_compression_etc2: features.texture_compression_etc2 == vk::TRUE,
+            texture_compression_astc: features.texture_compression_astc_ldr == vk::TRUE,
             timestamp_period_ns: limits.timestamp_period,
             timestamp_valid_bits: families.get(queue_family as usize).map_or(0, |f| f.timestamp_valid_bits),
             d32_s8: {

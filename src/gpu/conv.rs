@@ -4,6 +4,7 @@ use ash::vk;
 
 use crate::environment::TexelFormat;
 use crate::plan::{Access, Attachment, Format, Load, Scope, State, Store, Usage};
+use crate::scene::{AstcBlock, TextureFormat};
 
 /// The Vulkan format.
 pub const fn format(f: Format) -> vk::Format {
@@ -39,6 +40,43 @@ pub const fn radiance_format(f: TexelFormat) -> vk::Format {
         TexelFormat::B10G11R11 => vk::Format::B10G11R11_UFLOAT_PACK32,
         TexelFormat::E5B9G9R9 => vk::Format::E5B9G9R9_UFLOAT_PACK32,
         TexelFormat::Rgba16F => vk::Format::R16G16B16A16_SFLOAT,
+    }
+}
+
+/// The Vulkan format of a material's texture: its colours are sRGB-encoded or not.
+pub const fn texture_format(f: TextureFormat, srgb: bool) -> vk::Format {
+    use vk::Format as F;
+    let [linear, encoded] = match f {
+        TextureFormat::Rgba8 => [F::R8G8B8A8_UNORM, F::R8G8B8A8_SRGB],
+        TextureFormat::Bc1 => [F::BC1_RGB_UNORM_BLOCK, F::BC1_RGB_SRGB_BLOCK],
+        TextureFormat::Bc1Alpha => [F::BC1_RGBA_UNORM_BLOCK, F::BC1_RGBA_SRGB_BLOCK],
+        TextureFormat::Bc3 => [F::BC3_UNORM_BLOCK, F::BC3_SRGB_BLOCK],
+        TextureFormat::Bc7 => [F::BC7_UNORM_BLOCK, F::BC7_SRGB_BLOCK],
+        TextureFormat::Etc2 => [F::ETC2_R8G8B8_UNORM_BLOCK, F::ETC2_R8G8B8_SRGB_BLOCK],
+        TextureFormat::Etc2Mask => [F::ETC2_R8G8B8A1_UNORM_BLOCK, F::ETC2_R8G8B8A1_SRGB_BLOCK],
+        TextureFormat::Etc2Alpha => [F::ETC2_R8G8B8A8_UNORM_BLOCK, F::ETC2_R8G8B8A8_SRGB_BLOCK],
+        TextureFormat::Astc(block) => astc_formats(block),
+    };
+    if srgb { encoded } else { linear }
+}
+
+const fn astc_formats(block: AstcBlock) -> [vk::Format; 2] {
+    use vk::Format as F;
+    match block {
+        AstcBlock::B4x4 => [F::ASTC_4X4_UNORM_BLOCK, F::ASTC_4X4_SRGB_BLOCK],
+        AstcBlock::B5x4 => [F::ASTC_5X4_UNORM_BLOCK, F::ASTC_5X4_SRGB_BLOCK],
+        AstcBlock::B5x5 => [F::ASTC_5X5_UNORM_BLOCK, F::ASTC_5X5_SRGB_BLOCK],
+        AstcBlock::B6x5 => [F::ASTC_6X5_UNORM_BLOCK, F::ASTC_6X5_SRGB_BLOCK],
+        AstcBlock::B6x6 => [F::ASTC_6X6_UNORM_BLOCK, F::ASTC_6X6_SRGB_BLOCK],
+        AstcBlock::B8x5 => [F::ASTC_8X5_UNORM_BLOCK, F::ASTC_8X5_SRGB_BLOCK],
+        AstcBlock::B8x6 => [F::ASTC_8X6_UNORM_BLOCK, F::ASTC_8X6_SRGB_BLOCK],
+        AstcBlock::B8x8 => [F::ASTC_8X8_UNORM_BLOCK, F::ASTC_8X8_SRGB_BLOCK],
+        AstcBlock::B10x5 => [F::ASTC_10X5_UNORM_BLOCK, F::ASTC_10X5_SRGB_BLOCK],
+        AstcBlock::B10x6 => [F::ASTC_10X6_UNORM_BLOCK, F::ASTC_10X6_SRGB_BLOCK],
+        AstcBlock::B10x8 => [F::ASTC_10X8_UNORM_BLOCK, F::ASTC_10X8_SRGB_BLOCK],
+        AstcBlock::B10x10 => [F::ASTC_10X10_UNORM_BLOCK, F::ASTC_10X10_SRGB_BLOCK],
+        AstcBlock::B12x10 => [F::ASTC_12X10_UNORM_BLOCK, F::ASTC_12X10_SRGB_BLOCK],
+        AstcBlock::B12x12 => [F::ASTC_12X12_UNORM_BLOCK, F::ASTC_12X12_SRGB_BLOCK],
     }
 }
 

@@ -61,6 +61,14 @@ pub struct Features {
     pub sample_rate_shading: bool,
     /// `depthClamp` and `shaderClipDistance`: shadow volumes want both.
     pub depth_clamp: bool,
+    /// `samplerAnisotropy`: samplers that ask for it do without otherwise.
+    pub sampler_anisotropy: bool,
+    /// `textureCompressionBC`. Compressed pictures of a kind that is not enabled are decoded when they are uploaded.
+    pub texture_compression_bc: bool,
+    /// `textureCompressionETC2`.
+    pub texture_compression_etc2: bool,
+    /// `textureCompressionASTC_LDR`.
+    pub texture_compression_astc: bool,
 }
 
 /// A Vulkan device and what is needed to use it. Clones are cheap and share everything.

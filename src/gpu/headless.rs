@@ -236,7 +236,11 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
         .independent_blend(caps.local_read)
         .sample_rate_shading(caps.sample_rate_shading)
         .depth_clamp(caps.depth_clamp)
-        .shader_clip_distance(caps.depth_clamp);
+        .shader_clip_distance(caps.depth_clamp)
+        .sampler_anisotropy(caps.max_sampler_anisotropy > 1.0)
+        .texture_compression_bc(caps.texture_compression_bc)
+        .texture_compression_etc2(caps.texture_compression_etc2)
+        .texture_compression_astc_ldr(caps.texture_compression_astc);
     // SAFETY: the device was enumerated from this instance.
     let offered = unsafe { instance.raw.enumerate_device_extension_properties(physical_device) };
     let offered = offered.called("vkEnumerateDeviceExtensionProperties")?;
@@ -304,6 +308,10 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
             subpass_merge_feedback: caps.subpass_merge_feedback,
             sample_rate_shading: caps.sample_rate_shading,
             depth_clamp: caps.depth_clamp,
+            sampler_anisotropy: caps.max_sampler_anisotropy > 1.0,
+            texture_compression_bc: caps.texture_compression_bc,
+            texture_compression_etc2: caps.texture_compression_etc2,
+            texture_compression_astc: caps.texture_compression_astc,
         },
     };
     let owned = OwnedDevice { raw, _instance: instance };

@@ -1,9 +1,10 @@
 //! Textures of a scene on the GPU.
 
-use super::{Device, Image, ImageDesc, Owned, Upload};
-use crate::scene::{self, Wrap};
+use super::{Device, Features, Image, ImageDesc, Owned, Upload, conv};
+use crate::scene::{self, Texels, TextureFormat, Wrap};
 use crate::{Error, Result};
 use ash::vk;
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
@@ -46,11 +47,30 @@ struct Use {
 
 impl Use {
     fn levels(self, picture: &scene::Image) -> u32 {
-        if self.mips { scene::mip_level_count(picture.width, picture.height) } else { 1 }
+        match &picture.texels {
+            _ if !self.mips => 1,
+            Texels::Rgba8(_) => scene::mip_level_count(picture.width, picture.height),
+            Texels::Stored(stored) => stored.levels(),
+        }
     }
 
     fn has_base_view(self, picture: &scene::Image) -> bool {
         self.base && self.levels(picture) > 1
+    }
+}
+
+/// What the device is given of a picture: the first of its formats that is enabled there.
+fn format(enabled: Features, picture: &scene::Image) -> TextureFormat {
+    use TextureFormat as T;
+    let is_enabled = |format: &T| match format {
+        T::Rgba8 => true,
+        T::Bc1 | T::Bc1Alpha | T::Bc3 | T::Bc7 => enabled.texture_compression_bc,
+        T::Etc2 | T::Etc2Mask | T::Etc2Alpha => enabled.texture_compression_etc2,
+        T::Astc(_) => enabled.texture_compression_astc,
+    };
+    match &picture.texels {
+        Texels::Rgba8(_) => T::Rgba8,
+        Texels::Stored(stored) => stored.formats().into_iter().find(is_enabled).unwrap_or(T::Rgba8),
     }
 }
 
@@ -134,14 +154,15 @@ impl Textures {
 
     /// What the images of all that is wanted would hold, with their mip levels.
     pub(super) fn bytes(
+        enabled: Features,
         images: &[scene::Image],
         textures: &[scene::Texture],
         wanted: &[TextureKey],
     ) -> Result<u64> {
         let bytes = |(&(image, _), of_image): (&ImageKey, &Use)| {
             let picture = element(images, image, "image")?;
-            let side = |n: u32, level: u32| u64::from((n >> level).max(1));
-            let level = |level| side(picture.width, level) * side(picture.height, level) * 4;
+            let (format, size) = (format(enabled, picture), [picture.width, picture.height]);
+            let level = |level| format.level_bytes(scene::level_size(size, level));
             Ok((0..of_image.levels(picture)).map(level).sum::<u64>())
         };
         uses(textures, wanted)?.iter().map(bytes).sum()
@@ -171,32 +192,24 @@ fn image(
     wanted: Use,
 ) -> Result<TextureImage> {
     let size = [picture.width, picture.height];
-    let bytes = u64::from(size[0]) * u64::from(size[1]) * 4;
-    if bytes == 0 || picture.rgba8.len() as u64 != bytes {
-        return Err(Error::unsupported(
-            format!(
-                "image '{}' has {} bytes for {}x{} texels",
-                picture.name,
-                picture.rgba8.len(),
-                size[0],
-                size[1]
-            ),
-            "give four bytes a texel",
-        ));
-    }
-    let (format, srgb) = match encoding {
-        ColorEncoding::Srgb => (vk::Format::R8G8B8A8_SRGB, true),
-        ColorEncoding::Linear => (vk::Format::R8G8B8A8_UNORM, false),
-    };
+    picture.check()?;
+    let srgb = encoding == ColorEncoding::Srgb;
+    let format = format(device.features(), picture);
     let levels = wanted.levels(picture);
     // TRANSFER_SRC so that textures can be read back.
     let usage =
         vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC;
+    let texels = conv::texture_format(format, srgb);
     let image =
-        Image::new(device, &ImageDesc { levels, ..ImageDesc::new(&picture.name, format, size, usage) })?;
-    let smaller = if wanted.mips { scene::mipmaps(picture, srgb) } else { Vec::new() };
-    let contents: Vec<&[u8]> =
-        std::iter::once(&picture.rgba8[..]).chain(smaller.iter().map(|level| &level.rgba8[..])).collect();
+        Image::new(device, &ImageDesc { levels, ..ImageDesc::new(&picture.name, texels, size, usage) })?;
+    let contents: Vec<Cow<[u8]>> = match &picture.texels {
+        Texels::Stored(stored) => (0..levels).map(|level| stored.level(level, format)).collect(),
+        Texels::Rgba8(whole) => {
+            let smaller = if wanted.mips { scene::mipmaps(picture, srgb) } else { Vec::new() };
+            let smaller = smaller.into_iter().map(|level| level.rgba8.into());
+            std::iter::once(whole.into()).chain(smaller).collect()
+        }
+    };
     upload.image(&image, &contents)?;
     let base_view = wanted.has_base_view(picture).then(|| image.create_view(0..1, "level 0")).transpose()?;
     Ok(TextureImage { base_view, image })
@@ -232,11 +245,19 @@ impl SamplerCache {
     /// # Errors
     /// [`Error::Vulkan`].
     pub fn get(&mut self, settings: scene::Sampler) -> Result<vk::Sampler> {
-        let settings = scene::Sampler { mip_linear: Some(settings.mip_linear == Some(true)), ..settings };
+        let most = match self.device.features().sampler_anisotropy {
+            true => self.device.caps().max_sampler_anisotropy as u8,
+            false => 1,
+        };
+        let settings = scene::Sampler {
+            mip_linear: Some(settings.mip_linear == Some(true)),
+            max_anisotropy: settings.max_anisotropy.clamp(1, most),
+            ..settings
+        };
         match self.samplers.entry(settings) {
             Entry::Occupied(entry) => Ok(entry.get().raw()),
             Entry::Vacant(entry) => {
-                // SAFETY: the structure uses no feature and no extension.
+                // SAFETY: the structure uses no extension, and anisotropy only where it is enabled.
                 let sampler = unsafe { self.device.create_sampler(&sampler_info(&settings), "texture") }?;
                 Ok(entry.insert(sampler).raw())
             }
@@ -272,5 +293,7 @@ fn sampler_info(settings: &scene::Sampler) -> vk::SamplerCreateInfo<'static> {
         .address_mode_v(wrap(settings.wrap_v))
         // Never used by two-dimensional images; alike, because drivers like it.
         .address_mode_w(wrap(settings.wrap_u))
+        .anisotropy_enable(settings.max_anisotropy > 1)
+        .max_anisotropy(settings.max_anisotropy.into())
         .max_lod(vk::LOD_CLAMP_NONE)
 }

@@ -2,7 +2,8 @@
 
 use super::image::aspects;
 use super::readback::texel_bytes;
-use super::{Buffer, BufferDesc, Device, Image, MemoryUse, Recorder};
+use super::{Buffer, BufferDesc, Device, Image, MemoryUse, Recorder, conv};
+use crate::scene::TextureFormat;
 use crate::{Error, Result};
 use ash::vk;
 
@@ -88,20 +89,24 @@ impl Upload {
         Ok(())
     }
 
-    /// Fills all mip levels of an image, level 0 first, in each all layers, rows tightly packed; the image becomes
-    /// SHADER_READ_ONLY_OPTIMAL. What it held before is lost.
+    /// Fills all mip levels of an image, level 0 first, in each all layers, rows of texels or blocks tightly packed; the image
+    /// becomes SHADER_READ_ONLY_OPTIMAL. What it held before is lost.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if levels or sizes are not the image's; [`Error::Vulkan`] without staging
     /// memory.
-    pub fn image(&mut self, target: &Image, levels: &[&[u8]]) -> Result<()> {
-        let texel = u64::from(texel_bytes(target.format())?);
+    pub fn image(&mut self, target: &Image, levels: &[impl AsRef<[u8]>]) -> Result<()> {
+        let Block { size: block, bytes } = Block::of(target.format())?;
         let size = |level: u32| target.size().map(|n| (n >> level).max(1));
+        let blocks = |level| {
+            let [width, height] = size(level);
+            [width.div_ceil(block[0]), height.div_ceil(block[1])]
+        };
+        let layer_bytes = |level| blocks(level).iter().map(|&n| u64::from(n)).product::<u64>() * bytes;
         let layers = u64::from(target.layers());
-        let expected =
-            |level: u32| size(level).iter().map(|&n| u64::from(n)).product::<u64>() * texel * layers;
+        let levels: Vec<&[u8]> = levels.iter().map(AsRef::as_ref).collect();
         let sizes_agree = levels.len() == target.levels() as usize
-            && (0..).zip(levels).all(|(level, content)| content.len() as u64 == expected(level));
+            && (0..).zip(&levels).all(|(level, content)| content.len() as u64 == layer_bytes(level) * layers);
         if !sizes_agree || !target.usage().contains(vk::ImageUsageFlags::TRANSFER_DST) {
             return Err(Error::unsupported(
                 format!(
@@ -117,15 +122,15 @@ impl Upload {
                 "give every level in full, and the image the usage TRANSFER_DST",
             ));
         }
-        for (level, content) in (0..).zip(levels) {
-            let [width, height] = size(level);
-            let row_bytes = u64::from(width) * texel;
+        for (level, content) in (0..).zip(&levels) {
+            let ([width, height], [across, down]) = (size(level), blocks(level));
+            let row_bytes = u64::from(across) * bytes;
             // A row of the largest image (2^15 texels of 16 bytes) fits into a chunk many times.
-            let rows_per_piece = (CHUNK_BYTES / row_bytes).clamp(1, u64::from(height));
-            for (layer, content) in (0..).zip(content.chunks((row_bytes * u64::from(height)) as usize)) {
+            let rows_per_piece = (CHUNK_BYTES / row_bytes).clamp(1, u64::from(down));
+            for (layer, content) in (0..).zip(content.chunks(layer_bytes(level) as usize)) {
                 let mut y = 0;
                 for piece in content.chunks((rows_per_piece * row_bytes) as usize) {
-                    let rows = (piece.len() as u64 / row_bytes) as u32;
+                    let rows = (piece.len() as u64 / row_bytes) as u32 * block[1];
                     let (chunk, buffer_offset) = self.stage(piece)?;
                     let region = vk::BufferImageCopy {
                         buffer_offset,
@@ -138,7 +143,8 @@ impl Upload {
                             layer_count: 1,
                         },
                         image_offset: vk::Offset3D { x: 0, y: y as i32, z: 0 },
-                        image_extent: vk::Extent3D { width, height: rows, depth: 1 },
+                        // The last row of blocks may reach beyond the level.
+                        image_extent: vk::Extent3D { width, height: rows.min(height - y), depth: 1 },
                     };
                     self.image_copies.push(ImageCopy { chunk, target: target.raw(), region });
                     y += rows;
@@ -274,6 +280,25 @@ impl Upload {
         self.chunks[chunk].mapped_mut()[place].copy_from_slice(content);
         self.used = offset + bytes;
         Ok((chunk, offset))
+    }
+}
+
+/// What a format's content is made of.
+struct Block {
+    /// Texels, across and down.
+    size: [u32; 2],
+    bytes: u64,
+}
+
+impl Block {
+    fn of(format: vk::Format) -> Result<Self> {
+        let texture = TextureFormat::COMPRESSED.into_iter().find(|&compressed| {
+            [false, true].into_iter().any(|srgb| conv::texture_format(compressed, srgb) == format)
+        });
+        Ok(match texture {
+            Some(texture) => Self { size: texture.block(), bytes: texture.block_bytes().into() },
+            None => Self { size: [1, 1], bytes: texel_bytes(format)?.into() },
+        })
     }
 }
 

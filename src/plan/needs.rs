@@ -202,6 +202,9 @@ pub struct Needs {
     /// The first material that light goes through, if any: the stage that absorbs it and the light target exist for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transmits: Option<String>,
+    /// The most that a texture's sampler asks for; up to 1 is none.
+    #[serde(skip_serializing_if = "is_isotropic")]
+    pub anisotropy: u8,
     /// The first blended material, if any: translucency and the light target under it exist for it.
     pub blended: Option<String>,
     /// Why light must be summed before lighting (emission, ambient light, unlit surfaces beside lit ones);
@@ -351,6 +354,7 @@ impl Needs {
             triangles: scene.triangle_count(),
             blended: first(|k| k.blend && !k.transmits).map(|n| n.why.clone()),
             transmits: first(|k| k.transmits).map(|n| n.why.clone()),
+            anisotropy: scene.textures.iter().map(|t| t.sampler.max_anisotropy).max().unwrap_or(1),
             blended_triangles: scene.triangles_of(|instance| scene.is_blended(instance)),
             background: match scene.background {
                 Background::Color(color) => Some(color.to_array()),
@@ -393,6 +397,10 @@ fn lights_at_a_point(scene: &Scene) -> f32 {
 /// Whether the light has a place.
 fn is_local(light: &Light) -> bool {
     !matches!(light.kind, LightKind::Directional { .. } | LightKind::Hemisphere { .. })
+}
+
+fn is_isotropic(anisotropy: &u8) -> bool {
+    *anisotropy <= 1
 }
 
 /// See [`Needs::most_local_lights`].

@@ -20,6 +20,12 @@ pub(super) fn of(
              what is opaque, whatever lies between, and is below all that is blended"
         )
     }));
+    if needs.anisotropy > 1 {
+        notes.push(format!(
+            "textures ask for anisotropy: a look-up of theirs may take up to {} samples, and Mali's samplers are larger",
+            needs.anisotropy
+        ));
+    }
     if options.depth_prepass && needs.triangles <= 1 {
         notes.push("no triangle hides another: no depth test, so no depth pre-pass".into());
     }

@@ -93,7 +93,7 @@ mod tests {
     /// 2 x 2 texels: red, green above blue, white.
     fn quarters() -> Image {
         let rgba8 = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255; 4]].as_flattened().to_vec();
-        Image { name: String::new(), width: 2, height: 2, rgba8 }
+        Image { name: String::new(), width: 2, height: 2, texels: rgba8.into() }
     }
 
     #[test]

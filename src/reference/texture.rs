@@ -95,7 +95,7 @@ fn wrap(texel: f64, size: u32, mode: Wrap) -> u32 {
 
 fn texel(image: &Image, x: u32, y: u32, encoding: Encoding) -> DVec4 {
     let start = (y as usize * image.width as usize + x as usize) * 4;
-    let [r, g, b, a] = std::array::from_fn(|k| f64::from(image.rgba8[start + k]) / 255.0);
+    let [r, g, b, a] = std::array::from_fn(|k| f64::from(image.rgba8()[start + k]) / 255.0);
     match encoding {
         Encoding::Linear => DVec4::new(r, g, b, a),
         Encoding::Srgb => DVec4::new(linear_from_srgb(r), linear_from_srgb(g), linear_from_srgb(b), a),
@@ -109,8 +109,12 @@ mod tests {
     use glam::Vec3;
 
     fn checker(wrap_u: Wrap, mag_linear: bool) -> (Scene, TextureRef) {
-        let image =
-            Image { name: String::new(), width: 2, height: 1, rgba8: vec![0, 0, 0, 255, 255, 255, 255, 255] };
+        let image = Image {
+            name: String::new(),
+            width: 2,
+            height: 1,
+            texels: vec![0, 0, 0, 255, 255, 255, 255, 255].into(),
+        };
         let sampler = Sampler { wrap_u, mag_linear, ..Sampler::default() };
         let scene =
             Scene { images: vec![image], textures: vec![Texture { image: 0, sampler }], ..Scene::default() };

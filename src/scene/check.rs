@@ -110,15 +110,7 @@ impl Checked for Texture {
 
 impl Checked for Image {
     fn problem(&self) -> Problem {
-        let bytes = u64::from(self.width) * u64::from(self.height) * 4;
-        (bytes == 0 || self.rgba8.len() as u64 != bytes).then(|| {
-            format!(
-                "{} bytes are not four for each of {}x{} texels",
-                self.rgba8.len(),
-                self.width,
-                self.height
-            )
-        })
+        self.problem()
     }
 }
 

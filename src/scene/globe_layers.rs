@@ -77,19 +77,7 @@ impl Scene {
                 "make the scene's indices refer to what it has",
             )
         })?;
-        let bytes = u64::from(image.width) * u64::from(image.height) * 4;
-        if bytes == 0 || image.rgba8.len() as u64 != bytes {
-            return Err(Error::unsupported(
-                format!(
-                    "image '{}' has {} bytes for {}x{} texels",
-                    image.name,
-                    image.rgba8.len(),
-                    image.width,
-                    image.height
-                ),
-                "give four bytes a texel",
-            ));
-        }
+        image.check()?;
         Ok(image)
     }
 }
@@ -97,13 +85,13 @@ impl Scene {
 /// The picture as `side` times `side` texels: the smallest of its mip levels that is no smaller, interpolated linearly.
 fn resized(image: &Image, side: u32) -> Vec<u8> {
     if [image.width, image.height] == [side, side] {
-        return image.rgba8.clone();
+        return image.rgba8().to_vec();
     }
     let too_large = image.width.max(image.height) > side;
     let levels = if too_large { mipmaps(image, true) } else { Vec::new() };
     let level = levels.iter().rev().find(|level| level.width.min(level.height) >= side);
     let (width, height, texels) =
-        level.map_or((image.width, image.height, &image.rgba8), |l| (l.width, l.height, &l.rgba8));
+        level.map_or((image.width, image.height, image.rgba8()), |l| (l.width, l.height, &l.rgba8[..]));
     let decode: [f32; 256] = std::array::from_fn(|i| linear_from_srgb(i as f64 / 255.0) as f32);
     let mut out = Vec::with_capacity(side as usize * side as usize * 4);
     for y in 0..side {
@@ -141,7 +129,7 @@ mod tests {
             let g = gray(i % width, i / width);
             [g, g, g, 255]
         };
-        Image { name: "map".into(), width, height, rgba8: (0..width * height).flat_map(texel).collect() }
+        Image { name: "map".into(), width, height, texels: (0..width * height).flat_map(texel).collect() }
     }
 
     fn spot(image: usize) -> Light {

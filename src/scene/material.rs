@@ -2,7 +2,8 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::Transmission;
+use super::{Texels, Transmission};
+use crate::{Error, Result};
 
 /// A surface as glTF 2.0 section 3.9 describes it.
 #[derive(Clone, Debug)]
@@ -136,6 +137,9 @@ pub struct Sampler {
     pub wrap_u: Wrap,
     /// Along v.
     pub wrap_v: Wrap,
+    /// Where a pixel covers a long, narrow part of the picture, at most so many samples along it keep what runs across it sharp
+    /// (Vulkan 1.3, section 16.8.2): 1 for none, up to 16; a device may do with less.
+    pub max_anisotropy: u8,
 }
 
 impl Default for Sampler {
@@ -147,6 +151,7 @@ impl Default for Sampler {
             mip_linear: Some(true),
             wrap_u: Wrap::Repeat,
             wrap_v: Wrap::Repeat,
+            max_anisotropy: 1,
         }
     }
 }
@@ -162,7 +167,7 @@ pub enum Wrap {
     ClampToEdge,
 }
 
-/// A decoded picture, 8 bits a channel, rows from the top.
+/// A picture of 8 bits a channel.
 #[derive(Clone, Debug)]
 pub struct Image {
     /// A name for messages.
@@ -171,6 +176,51 @@ pub struct Image {
     pub width: u32,
     /// Texels, at least 1.
     pub height: u32,
-    /// `width * height * 4` bytes: red, green, blue, alpha, as encoded in the file.
-    pub rgba8: Vec<u8>,
+    /// As bytes, or as blocks that a GPU decodes.
+    pub texels: Texels,
+}
+
+impl Image {
+    /// `width * height * 4` bytes, rows from the top: red, green, blue, alpha, as encoded in the file. What is compressed is
+    /// decoded at the first call.
+    pub fn rgba8(&self) -> &[u8] {
+        match &self.texels {
+            Texels::Rgba8(bytes) => bytes,
+            Texels::Stored(stored) => stored.rgba8(),
+        }
+    }
+
+    /// The same, to be changed; what is compressed is plain from then on.
+    pub fn rgba8_mut(&mut self) -> &mut [u8] {
+        if let Texels::Stored(stored) = &self.texels {
+            self.texels = stored.rgba8().to_vec().into();
+        }
+        match &mut self.texels {
+            Texels::Rgba8(bytes) => bytes,
+            Texels::Stored(_) => unreachable!("it is plain now"),
+        }
+    }
+
+    /// # Errors
+    /// [`Error::Unsupported`] for texels that are not of its size.
+    pub(crate) fn check(&self) -> Result<()> {
+        let wrong = |problem| {
+            Error::unsupported(format!("image '{}': {problem}", self.name), "give as many as its size says")
+        };
+        self.problem().map_or(Ok(()), |problem| Err(wrong(problem)))
+    }
+
+    /// What is wrong with it, if anything: texels that are not of its size.
+    pub(crate) fn problem(&self) -> Option<String> {
+        let size = format!("{}x{} texels", self.width, self.height);
+        match &self.texels {
+            Texels::Rgba8(bytes) => {
+                let expected = u64::from(self.width) * u64::from(self.height) * 4;
+                (expected == 0 || bytes.len() as u64 != expected)
+                    .then(|| format!("{} bytes are not four for each of {size}", bytes.len()))
+            }
+            Texels::Stored(stored) => (stored.size() != [self.width, self.height])
+                .then(|| format!("the compressed picture has {:?} texels, not {size}", stored.size())),
+        }
+    }
 }

@@ -29,8 +29,9 @@ pub fn mip_level_count(width: u32, height: u32) -> u32 {
 /// alpha always is linear.
 pub fn mipmaps(image: &Image, srgb: bool) -> Vec<MipLevel> {
     let decode = decode_table(srgb);
+    let rgba8 = image.rgba8();
     let texel = |i: usize| {
-        let t = &image.rgba8[i * 4..i * 4 + 4];
+        let t = &rgba8[i * 4..i * 4 + 4];
         [decode[t[0] as usize], decode[t[1] as usize], decode[t[2] as usize], f32::from(t[3]) / 255.0]
     };
     let mut levels = Vec::new();
@@ -149,7 +150,7 @@ mod tests {
                 (state >> 56) as u8
             })
             .collect();
-        Image { name: "noise".into(), width, height, rgba8 }
+        Image { name: "noise".into(), width, height, texels: rgba8 }
     }
 
     /// The mean of a piecewise constant function over [x0, x1] x [y0, y1], by intersecting every texel.
@@ -180,7 +181,7 @@ mod tests {
         let (mut w, mut h) = (image.width as usize, image.height as usize);
         let unit = |b: u8| f64::from(b) / 255.0;
         let mut src: Vec<[f64; 4]> = image
-            .rgba8
+            .rgba8()
             .chunks(4)
             .map(|t| [to_linear(unit(t[0])), to_linear(unit(t[1])), to_linear(unit(t[2])), unit(t[3])])
             .collect();
@@ -234,7 +235,7 @@ mod tests {
         // Half the light of white is 0.5 linear: 188 in sRGB (0.7354 * 255 = 187.5), not 128.
         let texel = |i: u32| if (i % 2) ^ (i / 2) == 0 { [255; 4] } else { [0; 4] };
         let image =
-            Image { name: "checker".into(), width: 2, height: 2, rgba8: (0..4).flat_map(texel).collect() };
+            Image { name: "checker".into(), width: 2, height: 2, texels: (0..4).flat_map(texel).collect() };
         assert_eq!(mipmaps(&image, true)[0].rgba8, [188, 188, 188, 128]);
         assert_eq!(mipmaps(&image, false)[0].rgba8, [128; 4]);
     }
@@ -242,7 +243,7 @@ mod tests {
     #[test]
     fn a_constant_stays_constant() {
         for byte in 0..=255_u8 {
-            let image = Image { name: "flat".into(), width: 5, height: 3, rgba8: vec![byte; 60] };
+            let image = Image { name: "flat".into(), width: 5, height: 3, texels: vec![byte; 60].into() };
             for srgb in [false, true] {
                 for level in mipmaps(&image, srgb) {
                     assert!(level.rgba8.iter().all(|&b| b == byte), "{byte} srgb {srgb}");

@@ -3,6 +3,7 @@
 //! World space is right-handed with +Y up, in metres. Colours are linear Rec.709. A scene can be loaded from
 //! glTF ([`Scene::load`]) or built by hand; nothing here knows about Vulkan.
 
+mod block_decoder;
 mod budget;
 mod camera;
 mod check;
@@ -10,6 +11,7 @@ mod decal;
 mod environment;
 mod globe_layers;
 mod gltf;
+mod ktx;
 mod light;
 mod lightmap;
 mod material;
@@ -18,6 +20,7 @@ mod mipmaps;
 mod particles;
 mod probe;
 mod surroundings;
+mod texels;
 mod transmission;
 mod world;
 
@@ -37,6 +40,8 @@ pub use mipmaps::{MipLevel, mip_level_count, mipmaps};
 pub use particles::{Particle, Particles};
 pub use probe::Probe;
 pub use surroundings::{Background, Fog, FogHeight};
+pub(crate) use texels::level_size;
+pub use texels::{AstcBlock, Stored, Texels, TextureFormat};
 pub use transmission::Transmission;
 pub use world::{Changes, Element, Id, World};
 

@@ -87,7 +87,7 @@ fn glow(scene: &mut Scene) -> usize {
         [left * 255.0, left * (140.0 + 100.0 * at.x), left * left * 255.0, 255.0].map(|x| x as u8)
     };
     let rgba8 = (0..SIDE * SIDE).flat_map(texel).collect();
-    scene.images.push(Image { width: SIDE, height: SIDE, rgba8, name: "glow".into() });
+    scene.images.push(Image { width: SIDE, height: SIDE, texels: rgba8, name: "glow".into() });
     let sampler = Sampler { wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge, ..Sampler::default() };
     scene.textures.push(Texture { image: scene.images.len() - 1, sampler });
     scene.textures.len() - 1

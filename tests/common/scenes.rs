@@ -198,7 +198,7 @@ pub fn hemisphere_only() -> Scene {
 /// [`extents`], where most lights shine through globe maps: pictures of two sizes, one used twice.
 pub fn globes() -> Scene {
     let mut scene = Scene { name: "globes".into(), ..extents() };
-    let small = Image { width: 16, rgba8: bumps().rgba8[..16 * 32 * 4].to_vec(), ..bumps() };
+    let small = Image { width: 16, texels: bumps().rgba8()[..16 * 32 * 4].to_vec().into(), ..bumps() };
     scene.images = vec![tiles(), small];
     let flat = |image| GlobePicture::Flat { image };
     let map = |picture, rotation_rad| Some(GlobeMap { picture, rotation_rad });

@@ -30,7 +30,7 @@ fn memory_is_what_the_budget_said() {
         for options in [of(1, BloomWay::Off, false), of(4, BloomWay::Store, true)] {
             let Ok(plan) = Plan::new(Needs::of(&scene), options, &device.limits()) else { continue };
             let config = RendererConfig { frames_in_flight: 3, ..RendererConfig::default() };
-            let budget = MemoryBudget::new(&scene, &plan, &config, size).unwrap();
+            let budget = MemoryBudget::new(&scene, &plan, &config, device.features(), size).unwrap();
             cache.prepare(&plan).unwrap();
             assert_eq!(device.live().bytes, 0, "{}: preparing keeps no memory", scene.name);
 

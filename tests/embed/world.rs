@@ -31,7 +31,7 @@ fn made(updated: Updated) -> Makes {
 
 fn checkers(colors: [[u8; 4]; 2]) -> Image {
     let texel = |i: u32| colors[((i / 8 + i % 8) % 2) as usize];
-    Image { name: "checkers".into(), width: 8, height: 8, rgba8: (0..64).flat_map(texel).collect() }
+    Image { name: "checkers".into(), width: 8, height: 8, texels: (0..64).flat_map(texel).collect() }
 }
 
 fn at(x: f32, y: f32, z: f32) -> Mat4 {

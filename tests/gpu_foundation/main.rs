@@ -64,8 +64,8 @@ fn noise(count: usize, seed: u64) -> Vec<u8> {
 }
 
 fn picture(width: u32, height: u32, seed: u64) -> scene::Image {
-    let rgba8 = noise(width as usize * height as usize * 4, seed);
-    scene::Image { name: format!("noise {seed}"), width, height, rgba8 }
+    let texels = noise(width as usize * height as usize * 4, seed);
+    scene::Image { name: format!("noise {seed}"), width, height, texels: texels.into() }
 }
 
 const SAMPLED: vk::ImageLayout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;

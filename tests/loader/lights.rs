@@ -138,7 +138,7 @@ fn globe_maps_name_textures() {
     ]);
     let maps: Vec<_> = scene.lights.iter().map(|l| l.globe_map.unwrap()).collect();
     assert_eq!(maps.iter().map(|m| m.rotation_rad).collect::<Vec<_>>(), [FRAC_PI_2, 0.0, -PI]);
-    let red = |image: usize| scene.images[image].rgba8[0];
+    let red = |image: usize| scene.images[image].rgba8()[0];
     let pictures: Vec<Vec<u8>> = maps
         .iter()
         .map(|m| match m.picture {

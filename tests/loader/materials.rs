@@ -34,7 +34,7 @@ fn all_factors_and_five_textures() {
     assert_eq!(m.emissive_factor, Vec3::new(2.0, 4.0, 8.0));
     assert_eq!(m.alpha_mode, AlphaMode::Mask { cutoff: 0.3 });
     assert!(m.double_sided && !m.unlit);
-    let shade = |t: &Option<TextureRef>| scene.images[scene.textures[t.unwrap().texture].image].rgba8[0];
+    let shade = |t: &Option<TextureRef>| scene.images[scene.textures[t.unwrap().texture].image].rgba8()[0];
     assert_eq!(shade(&m.base_color_texture), 0);
     assert_eq!(shade(&m.metallic_roughness_texture), 1);
     assert_eq!(shade(&m.normal_texture), 2);
@@ -205,8 +205,8 @@ fn decoded(bytes: &[u8]) -> [u8; 4] {
     file.push("textures", json!({"source": 0}));
     *file.at("/materials/0/pbrMetallicRoughness/baseColorTexture") = json!({"index": 0});
     let image = &file.load().unwrap().images[0];
-    assert_eq!(image.rgba8.len(), (image.width * image.height * 4) as usize);
-    image.rgba8[..4].try_into().unwrap()
+    assert_eq!(image.rgba8().len(), (image.width * image.height * 4) as usize);
+    image.rgba8()[..4].try_into().unwrap()
 }
 
 /// PNG's checksum (ISO 3309).

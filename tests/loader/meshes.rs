@@ -52,7 +52,7 @@ fn containers_are_alike() {
     let expected = corners(&file.load().unwrap());
     for scene in [load_bytes("x.glb", &file.to_glb()).unwrap(), Scene::load(&beside).unwrap()] {
         assert_eq!(corners(&scene), expected);
-        assert_eq!(scene.images[0].rgba8, [255; 4]);
+        assert_eq!(scene.images[0].rgba8(), [255; 4]);
     }
 }
 

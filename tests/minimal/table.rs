@@ -80,7 +80,7 @@ const fn summed(name: &'static str, add: fn(&mut Scene), cost: &'static [&'stati
 
 fn picture(scene: &mut Scene) -> Option<TextureRef> {
     if scene.images.is_empty() {
-        scene.images.push(Image { name: "picture".into(), width: 1, height: 1, rgba8: vec![255; 4] });
+        scene.images.push(Image { name: "picture".into(), width: 1, height: 1, texels: vec![255; 4].into() });
         scene.textures.push(Texture { image: 0, sampler: Sampler::default() });
     }
     Some(TextureRef { texture: 0, texcoord: 0, uv_from_texcoord: TextureRef::IDENTITY })

@@ -17,7 +17,7 @@ use crate::scenes;
 
 /// A picture of one texel, so that no filter's precision shows.
 fn texel(scene: &mut Scene, rgba8: [u8; 4]) -> Option<TextureRef> {
-    scene.images.push(Image { name: "texel".into(), width: 1, height: 1, rgba8: rgba8.to_vec() });
+    scene.images.push(Image { name: "texel".into(), width: 1, height: 1, texels: rgba8.to_vec().into() });
     scene.textures.push(Texture { image: scene.images.len() - 1, sampler: Sampler::default() });
     let texture = scene.textures.len() - 1;
     Some(TextureRef { texture, texcoord: 0, uv_from_texcoord: TextureRef::IDENTITY })
@@ -234,11 +234,11 @@ fn every_fault_is_caught() {
         ("opacity off by 0.05", |s| s.decals[0].channels.base_color -= 0.05),
         ("painted in another order", |s| s.decals[3].priority = 1.0),
         ("one forgotten", |s| drop(s.decals.remove(2))),
-        ("a normal's other side", |s| s.images[0].rgba8[1] = 155),
+        ("a normal's other side", |s| s.images[0].rgba8_mut()[1] = 155),
         ("the angle ignored", |s| s.decals[2].angle_rad = [FRAC_PI_2; 2]),
         ("falloff ignored", |s| s.decals[0].falloff_m = Vec3::ZERO),
         ("handedness ignored", |s| s.decals[5].world_from_decal.x_axis *= -1.0),
-        ("alpha ignored", |s| s.images[1].rgba8[3] = 255),
+        ("alpha ignored", |s| s.images[1].rgba8_mut()[3] = 255),
     ];
     let Some(gpu) = Gpu::open() else { return };
     let scene = scene();

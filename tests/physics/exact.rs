@@ -166,12 +166,12 @@ const GLOBE_FAULTS: &[Fault] = &[
     ("pictures mirrored", |scene, _| {
         for image in &mut scene.images {
             let row = image.width as usize * 4;
-            image.rgba8.chunks_mut(row).for_each(|row| row.as_chunks_mut::<4>().0.reverse());
+            image.rgba8_mut().chunks_mut(row).for_each(|row| row.as_chunks_mut::<4>().0.reverse());
         }
     }),
     ("pictures upside down", |scene, _| {
         for image in &mut scene.images {
-            image.rgba8.as_chunks_mut::<4>().0.reverse();
+            image.rgba8_mut().as_chunks_mut::<4>().0.reverse();
         }
     }),
     ("sides of the cube swapped", |scene, _| {
@@ -184,7 +184,10 @@ const GLOBE_FAULTS: &[Fault] = &[
     }),
     ("colours taken as linear", |scene, _| {
         for image in &mut scene.images {
-            image.rgba8.iter_mut().for_each(|b| *b = (255.0 * (f32::from(*b) / 255.0).powf(1.0 / 2.2)) as u8);
+            image
+                .rgba8_mut()
+                .iter_mut()
+                .for_each(|b| *b = (255.0 * (f32::from(*b) / 255.0).powf(1.0 / 2.2)) as u8);
         }
     }),
     ("the light behind comes through the map", |scene, _| scene.lights[2].back_color = Vec3::splat(0.05)),

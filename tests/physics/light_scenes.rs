@@ -75,7 +75,7 @@ fn ramp(side: usize) -> Image {
         [color[0], color[1], color[2], 255]
     };
     let rgba8 = (0..SIDE * SIDE).flat_map(texel).collect();
-    Image { name: format!("ramp {side}"), width: SIDE, height: SIDE, rgba8 }
+    Image { name: format!("ramp {side}"), width: SIDE, height: SIDE, texels: rgba8 }
 }
 
 /// Lights of all kinds that shine through globe maps, turned; two narrow, one as wide as spots can be.

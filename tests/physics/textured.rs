@@ -21,7 +21,7 @@ fn image(name: &str, seed: u32, channel: impl Fn(u32, f32) -> f32) -> Image {
         let (x, y) = (i % SIZE, i / SIZE);
         [0, 1, 2, 3].map(|k| (channel(k, wave(x, y, k)) * 255.0).round() as u8)
     };
-    Image { name: name.into(), width: SIZE, height: SIZE, rgba8: (0..SIZE * SIZE).flat_map(texel).collect() }
+    Image { name: name.into(), width: SIZE, height: SIZE, texels: (0..SIZE * SIZE).flat_map(texel).collect() }
 }
 
 /// The scene of all that shines by itself, with all five textures on everything that is lit.

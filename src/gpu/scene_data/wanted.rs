@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::super::objects::{Batch, Objects};
-use super::super::{ColorEncoding, Streams, TextureKey, Textures};
+use super::super::{ColorEncoding, Features, Streams, TextureKey, Textures};
 use crate::Result;
 use crate::plan::{Pipeline, Plan, SLOTS, SurfaceKind};
 use crate::scene::Scene;
@@ -81,7 +81,8 @@ pub(in crate::gpu) fn texture_bytes(
     plan: &Plan,
     objects: &Objects,
     others: &[(usize, usize)],
+    enabled: Features,
 ) -> Result<u64> {
     let keys = texture_keys(scene, plan, objects.batches(), others);
-    Textures::bytes(&scene.images, &scene.textures, &keys)
+    Textures::bytes(enabled, &scene.images, &scene.textures, &keys)
 }

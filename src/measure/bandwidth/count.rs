@@ -11,7 +11,7 @@ use crate::gpu::{
     View,
 };
 use crate::plan::{Around, LightWay, Load, Needs, Options, Path, Pipeline, Plan, SLOTS, SurfaceKind};
-use crate::scene::Scene;
+use crate::scene::{Image, Scene, Texels, TextureFormat};
 
 /// Lookups of each fragment of a draw.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -203,6 +203,15 @@ struct Lookups<'a> {
     shadowed: f64,
 }
 
+/// Bytes of a texel, in the format that loses least.
+fn texel_bytes(image: &Image) -> f64 {
+    let format = match &image.texels {
+        Texels::Rgba8(_) => TextureFormat::Rgba8,
+        Texels::Stored(stored) => stored.formats()[0],
+    };
+    f64::from(format.block_bytes()) / f64::from(format.block().iter().product::<u32>())
+}
+
 /// Whether a pipeline lights something by lights that may have shadows.
 fn lights(plan: &Plan, pipeline: &Pipeline) -> bool {
     match &pipeline.per_pixel() {
@@ -222,8 +231,9 @@ impl Lookups<'_> {
             let sampled = (0..SLOTS.len()).filter(|&slot| kind.samples(slot) && wanted(slot));
             let lookup = |slot: usize| {
                 let image = self.scene.textures[all[slot]?.texture].image;
+                let texel_bytes = texel_bytes(&self.scene.images[image]);
                 let image = picture(image, SurfaceKind::is_srgb(slot));
-                Some(Lookup { image, times: 1.0, new_times: 1.0, texel_bytes: 4.0 })
+                Some(Lookup { image, times: 1.0, new_times: 1.0, texel_bytes })
             };
             sampled.filter_map(lookup).collect()
         };
@@ -296,7 +306,7 @@ impl Lookups<'_> {
         const WITH_MIPS: f64 = 4.0 / 3.0;
         let mut all = BTreeMap::new();
         for (image, found) in self.scene.images.iter().enumerate() {
-            let bytes = f64::from(found.width) * f64::from(found.height) * 4.0 * WITH_MIPS;
+            let bytes = f64::from(found.width) * f64::from(found.height) * texel_bytes(found) * WITH_MIPS;
             for srgb in [false, true] {
                 all.insert(picture(image, srgb), bytes);
             }

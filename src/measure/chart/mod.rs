@@ -327,10 +327,10 @@ fn scene_sha256(scene: &Scene, camera: usize) -> String {
     let mut hash = Sha256::new();
     let mut put = |bytes: &[u8]| hash.update(bytes);
     for image in &scene.images {
-        put(&image.rgba8);
+        put(image.rgba8());
     }
     let mut bare = scene.clone();
-    bare.images.iter_mut().for_each(|image| image.rgba8.clear());
+    bare.images.iter_mut().for_each(|image| image.texels = Vec::new().into());
     bare.cameras = vec![bare.cameras[camera].clone()];
     put(format!("{bare:?}").as_bytes());
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()

@@ -43,7 +43,7 @@ fn scene(ball: Mesh) -> Scene {
     scene.cameras.push(camera(Vec3::new(0.3, 1.2, 4.0), Vec3::ZERO));
     // One texel: what a filter makes of it is the same everywhere.
     let rgba8 = [150, 110, 240, 255].to_vec();
-    scene.images = vec![Image { name: "slope".into(), width: 1, height: 1, rgba8 }];
+    scene.images = vec![Image { name: "slope".into(), width: 1, height: 1, texels: rgba8.into() }];
     scene.textures = vec![Texture { image: 0, sampler: Sampler::default() }];
     let mut material = plain(Vec3::new(0.7, 0.5, 0.4), 0.3, 0.5);
     material.normal_texture =

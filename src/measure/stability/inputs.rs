@@ -134,7 +134,7 @@ fn scene() -> Scene {
     ball.colors = vec![Vec4::ONE; ball.positions.len()];
     let texel = |i: u32| [120 + (i % 7) as u8 * 4, 130, 250, 255];
     scene.images =
-        vec![Image { name: "bumps".into(), width: 4, height: 4, rgba8: (0..16).flat_map(texel).collect() }];
+        vec![Image { name: "bumps".into(), width: 4, height: 4, texels: (0..16).flat_map(texel).collect() }];
     scene.textures = vec![Texture { image: 0, sampler: Sampler::default() }];
     let slot = Some(TextureRef { texture: 0, texcoord: 0, uv_from_texcoord: TextureRef::IDENTITY });
     let mut material = plain(Vec3::new(0.8, 0.6, 0.4), 0.5, 0.4);

@@ -34,7 +34,7 @@ fn pierced(holes: f32) -> Scene {
         (255.0 * (0.5 + 8.0 * (radius - 0.3)).clamp(0.0, 1.0)) as u8
     };
     let rgba8 = (0..TEXELS * TEXELS).flat_map(|i| [255, 255, 255, alpha(i)]).collect();
-    scene.images.push(Image { name: "holes".into(), width: TEXELS, height: TEXELS, rgba8 });
+    scene.images.push(Image { name: "holes".into(), width: TEXELS, height: TEXELS, texels: rgba8 });
     scene.textures.push(Texture { image: 0, sampler: Sampler::default() });
     let uv_from_texcoord = [Vec3::X * holes, Vec3::Y * holes];
     let mask = Material {

@@ -80,8 +80,8 @@ pub fn read_lightmap(doc: &Document) -> Result<Option<Lightmap>> {
     Ok(Some(Lightmap {
         width: color.width,
         height: color.height,
-        color_rgba8: color.rgba8,
-        scale8: scale.rgba8.chunks_exact(4).map(|texel| texel[0]).collect(),
+        color_rgba8: color.rgba8().to_vec(),
+        scale8: scale.rgba8().chunks_exact(4).map(|texel| texel[0]).collect(),
         unit_lx,
     }))
 }

@@ -14,8 +14,9 @@ use serde_json::Value;
 use super::source;
 use crate::{Error, Result};
 
-const SUPPORTED_EXTENSIONS: [&str; 8] = [
+const SUPPORTED_EXTENSIONS: [&str; 9] = [
     "KHR_mesh_quantization",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_materials_unlit",
     "KHR_materials_emissive_strength",
@@ -26,7 +27,7 @@ const SUPPORTED_EXTENSIONS: [&str; 8] = [
 ];
 
 /// Extensions that change what is seen, but without which a file still is useful.
-const LOOK_EXTENSIONS: [&str; 14] = [
+const LOOK_EXTENSIONS: [&str; 13] = [
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
@@ -35,7 +36,6 @@ const LOOK_EXTENSIONS: [&str; 14] = [
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
-    "KHR_texture_basisu",
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_texture_avif",
@@ -59,6 +59,8 @@ pub struct Document<'a> {
     pub root: Root,
     /// By material.
     pub transforms: Vec<Transforms>,
+    /// By texture: the image that KHR_texture_basisu names.
+    pub basis_sources: Vec<Option<Index<json::Image>>>,
     bin: Option<Vec<u8>>,
     /// By index; read when first used.
     buffers: Vec<OnceCell<Vec<u8>>>,
@@ -80,11 +82,29 @@ struct Asset {
     min_version: Option<String>,
 }
 
-/// KHR_texture_transform where the JSON library does not know it.
+/// KHR_texture_transform where the JSON library does not know it, and KHR_texture_basisu, which it does not know at all.
 #[derive(Deserialize)]
-struct TransformRoot {
+struct Unknown {
     #[serde(default)]
     materials: Vec<Transforms>,
+    #[serde(default)]
+    textures: Vec<TextureExtensions>,
+}
+
+#[derive(Deserialize)]
+struct TextureExtensions {
+    extensions: Option<BasisExtension>,
+}
+
+#[derive(Deserialize)]
+struct BasisExtension {
+    #[serde(rename = "KHR_texture_basisu")]
+    basis: Option<BasisSource>,
+}
+
+#[derive(Deserialize)]
+struct BasisSource {
+    source: Option<Index<json::Image>>,
 }
 
 /// The transforms of one material's normal and occlusion textures.
@@ -126,9 +146,11 @@ impl<'a> Document<'a> {
         check_head(path, &json)?;
         let root: Root = serde_json::from_slice(&json).map_err(|e| locate(path, &json, &e))?;
         let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
-        let TransformRoot { materials: transforms } =
+        let Unknown { materials: transforms, textures } =
             serde_json::from_slice(&json).map_err(|e| malformed(path, &e))?;
-        Ok(Self { path, root, transforms, bin, buffers })
+        let basis_source = |texture: TextureExtensions| texture.extensions?.basis?.source;
+        let basis_sources = textures.into_iter().map(basis_source).collect();
+        Ok(Self { path, root, transforms, basis_sources, bin, buffers })
     }
 
     /// An [`Error::Input`] about this file.
@@ -254,9 +276,8 @@ fn check_head(path: &Path, json: &[u8]) -> Result<()> {
             "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
                 "export without meshopt compression, or decompress, e.g. with `gltf-transform copy in out`"
             }
-            "KHR_texture_basisu" => "store the textures as PNG or JPEG instead of KTX2",
             "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => {
-                "store the textures as PNG or JPEG"
+                "store the textures as PNG, JPEG or KTX2"
             }
             _ => "export the scene without this extension, or make it optional",
         };

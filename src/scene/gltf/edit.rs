@@ -87,7 +87,11 @@ impl Edit {
                 continue;
             };
             let view = edit.add_view(&bytes, None);
-            let mime = if bytes.starts_with(b"\x89PNG") { "image/png" } else { "image/jpeg" };
+            let mime = match bytes.as_ref() {
+                png if png.starts_with(b"\x89PNG") => "image/png",
+                ktx if ktx.starts_with(&ktx2::MAGIC) => "image/ktx2",
+                _ => "image/jpeg",
+            };
             let image = &mut edit.json["images"][index];
             image["bufferView"] = json!(view);
             image["mimeType"] = json!(mime);

@@ -1,4 +1,4 @@
-//! PNG and JPEG into RGBA8.
+//! PNG and JPEG into RGBA8; KTX 2.0 stays as it is.
 
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -10,9 +10,7 @@ use super::document::{Document, MAX_TEXELS};
 use super::source;
 use crate::Result;
 use crate::scene::Image;
-
-/// Texels along a side: what Vulkan devices offer at most.
-const MAX_SIDE: u32 = 16384;
+use crate::scene::ktx::MAX_SIDE;
 
 /// An image file is not believed to be larger.
 const MAX_FILE_BYTES: u64 = 1 << 30;
@@ -33,16 +31,16 @@ pub fn decode_all(doc: &Document, indices: &[usize]) -> Result<Vec<Image>> {
     }
     let decoded: Vec<_> = encoded.par_iter().map(|bytes| decode(bytes)).collect();
     let images = indices.iter().zip(decoded).map(|(&index, decoded)| {
-        let (width, height, rgba8) = decoded.map_err(|problem| undecodable(doc, index, problem))?;
+        let image = decoded.map_err(|problem| undecodable(doc, index, problem))?;
         let json = &doc.root.images[index];
         let name = json.name.clone().or_else(|| json.uri.clone().filter(|uri| !uri.starts_with("data:")));
-        Ok(Image { name: name.unwrap_or_else(|| format!("image {index}")), width, height, rgba8 })
+        Ok(Image { name: name.unwrap_or_else(|| format!("image {index}")), ..image })
     });
     images.collect()
 }
 
 fn undecodable(doc: &Document, index: usize, problem: String) -> crate::Error {
-    let remedy = format!("store it as a PNG or JPEG of at most {MAX_SIDE} texels a side");
+    let remedy = format!("store it as a PNG, JPEG or KTX2 of at most {MAX_SIDE} texels a side");
     doc.bad(format!("images[{index}]"), problem, remedy)
 }
 
@@ -65,7 +63,7 @@ pub fn encoded_bytes<'a>(doc: &'a Document, index: usize) -> Result<Cow<'a, [u8]
 fn decoder(bytes: &[u8]) -> Result<impl ImageDecoder, String> {
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
     if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
-        return Err("is neither PNG nor JPEG".into());
+        return Err("is neither PNG nor JPEG nor KTX2".into());
     }
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
@@ -77,7 +75,14 @@ fn decoder(bytes: &[u8]) -> Result<impl ImageDecoder, String> {
 }
 
 fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
-    let (width, height) = decoder(bytes)?.dimensions();
+    let (width, height) = match bytes.starts_with(&ktx2::MAGIC) {
+        true => {
+            let header =
+                ktx2::Reader::new(bytes).map_err(|e| format!("is a damaged KTX file: {e}"))?.header();
+            (header.pixel_width, header.pixel_height)
+        }
+        false => decoder(bytes)?.dimensions(),
+    };
     match width.min(height) {
         0 => Err("has no texels".into()),
         _ if width.max(height) > MAX_SIDE => Err(format!("is {width} x {height} texels")),
@@ -85,9 +90,13 @@ fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
     }
 }
 
-fn decode(bytes: &[u8]) -> Result<(u32, u32, Vec<u8>), String> {
+fn decode(bytes: &[u8]) -> Result<Image, String> {
+    if bytes.starts_with(&ktx2::MAGIC) {
+        return Image::from_ktx2("", bytes);
+    }
     let image = ::image::DynamicImage::from_decoder(decoder(bytes)?)
         .map_err(|e| format!("cannot be decoded: {e}"))?;
     let rgba = image.into_rgba8();
-    Ok((rgba.width(), rgba.height(), rgba.into_raw()))
+    let name = String::new();
+    Ok(Image { name, width: rgba.width(), height: rgba.height(), texels: rgba.into_raw().into() })
 }

@@ -1,4 +1,8 @@
 //! Materials, textures and samplers; only those that something drawn uses.
+//!
+//! | `extras.ontile` of a sampler | value | without it |
+//! |---|---|---|
+//! | `anisotropy` | how many samples it takes at most: 1 to 16 | 1 |
 
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -9,6 +13,7 @@ use gltf::json::texture::{MagFilter, MinFilter, WrappingMode};
 use gltf::json::{self, Index};
 
 use super::document::Document;
+use super::extras::Extras;
 use crate::Result;
 use crate::scene::{AlphaMode, Material, Sampler, Texture, TextureRef, Transmission, Wrap};
 
@@ -242,13 +247,18 @@ impl Materials {
         element: &str,
     ) -> Result<usize> {
         let found = doc.get(&doc.root.textures, "textures", texture, element)?;
-        let source = format!("textures[{}].source", texture.value());
+        let name = format!("textures[{}]", texture.value());
+        // The plain source is for readers that do not know the extension.
+        let (source, element) = match doc.basis_sources[texture.value()] {
+            Some(source) => (source, format!("{name}.extensions.KHR_texture_basisu.source")),
+            None => (found.source, format!("{name}.source")),
+        };
         // The JSON library's way to say that there is no source.
-        if found.source.value() == u32::MAX as usize {
-            return Err(doc.bad(source, "is missing", "give it a PNG or JPEG image as its source"));
+        if source.value() == u32::MAX as usize {
+            return Err(doc.bad(element, "is missing", "give it a PNG, JPEG or KTX2 image as its source"));
         }
-        doc.get(&doc.root.images, "images", found.source, source)?;
-        Ok(index_of(&mut self.images, &mut self.image_indices, found.source.value()))
+        doc.get(&doc.root.images, "images", source, element)?;
+        Ok(index_of(&mut self.images, &mut self.image_indices, source.value()))
     }
 }
 
@@ -274,6 +284,7 @@ fn uv_rows(doc: &Document, transform: &TextureTransform, element: &str) -> Resul
 fn read_sampler(doc: &Document, sampler: &json::texture::Sampler, index: usize) -> Result<Sampler> {
     let at = |field: &str| format!("samplers[{index}].{field}");
     let default = Sampler::default();
+    let extras = Extras::read(doc, &[(&sampler.extras, format!("samplers[{index}]"))], &["anisotropy"])?;
     let mag_linear = match sampler.mag_filter {
         Some(filter) => doc.valid(filter, at("magFilter"))? == MagFilter::Linear,
         None => default.mag_linear,
@@ -300,6 +311,8 @@ fn read_sampler(doc: &Document, sampler: &json::texture::Sampler, index: usize) 
         mip_linear,
         wrap_u: wrap(doc.valid(sampler.wrap_s, at("wrapS"))?),
         wrap_v: wrap(doc.valid(sampler.wrap_t, at("wrapT"))?),
+        max_anisotropy: extras.number_or("anisotropy", 1.0, " from 1 to 16", |v| (1.0..=16.0).contains(&v))?
+            as u8,
     })
 }
 

@@ -151,7 +151,7 @@ impl Listed for Image {
     listed!(Image, images);
 
     fn gone() -> Self {
-        Self { name: String::new(), width: 0, height: 0, rgba8: Vec::new() }
+        Self { name: String::new(), width: 0, height: 0, texels: Vec::new().into() }
     }
 
     fn uses(&self) -> impl Iterator<Item = (Kind, usize)> {

@@ -100,7 +100,7 @@ pub fn square() -> Mesh {
 pub fn image(name: &str, texel: impl Fn(u32, u32) -> [u8; 4]) -> Image {
     const SIDE: u32 = 32;
     let rgba8 = (0..SIDE * SIDE).flat_map(|i| texel(i % SIDE, i / SIDE)).collect();
-    Image { name: name.into(), width: SIDE, height: SIDE, rgba8 }
+    Image { name: name.into(), width: SIDE, height: SIDE, texels: rgba8 }
 }
 
 /// Light and dark tiles, all channels different; every other one is transparent.
