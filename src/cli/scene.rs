@@ -41,7 +41,10 @@ pub fn load(args: &SceneArgs) -> Result<Scene> {
 fn at(mut scene: Scene, time_s: f64, animation: &str) -> Result<Scene> {
     let Some(motion) = &scene.motion else {
         let problem = format!("nothing of scene '{}' is animated, so that it has no --time", scene.name);
-        return Err(Error::unsupported(problem, "leave out --time, or use a file whose animations move what is drawn"));
+        return Err(Error::unsupported(
+            problem,
+            "leave out --time, or use a file whose animations move what is drawn",
+        ));
     };
     let chosen = match animation {
         "all" => 0..motion.animations.len(),

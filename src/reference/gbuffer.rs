@@ -1,6 +1,6 @@
 //! What a surface is like where a ray meets it: the counterpart of the geometry stage.
 
-use glam::{DVec3, DVec4, Vec4};
+use glam::{DVec3, DVec4};
 
 use super::around::Around;
 use super::media::remaining;

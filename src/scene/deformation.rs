@@ -153,22 +153,30 @@ impl Deformation {
         let joints = pose.object_from_bind.len();
         let lengths = |target: &MorphTarget| {
             let fits = |list: &[Vec3], of_mesh: usize| list.is_empty() || list.len() == of_mesh;
-            fits(&target.positions, vertices) && fits(&target.normals, normals) && fits(&target.tangents, tangents)
+            fits(&target.positions, vertices)
+                && fits(&target.normals, normals)
+                && fits(&target.tangents, tangents)
         };
         let numbers = |target: &MorphTarget| {
             let MorphTarget { positions, normals, tangents } = target;
             positions.iter().chain(normals).chain(tangents).all(|v| v.is_finite())
         };
         if !influences.len().is_multiple_of(vertices.max(1)) {
-            return Some(format!("{} influences are not alike many for {vertices} vertices", influences.len()));
+            return Some(format!(
+                "{} influences are not alike many for {vertices} vertices",
+                influences.len()
+            ));
         }
         for vertex in (0..vertices).filter(|_| !influences.is_empty()) {
             let sets = self.sets(vertices);
             let all = influences[vertex * sets..(vertex + 1) * sets].iter().flat_map(|i| i.weights);
             if !all.clone().all(|w| w.is_finite() && w >= 0.0) || all.sum::<f32>() <= 0.0 {
-                return Some(format!("the weights of vertex {vertex} are not finite, negative, or add up to 0"));
+                return Some(format!(
+                    "the weights of vertex {vertex} are not finite, negative, or add up to 0"
+                ));
             }
-            let mut beyond = self.of_vertex(vertex, vertices).filter(|(joint, _)| usize::from(*joint) >= joints);
+            let mut beyond =
+                self.of_vertex(vertex, vertices).filter(|(joint, _)| usize::from(*joint) >= joints);
             if let Some((joint, _)) = beyond.next() {
                 return Some(format!("vertex {vertex} uses joint {joint}, and there are {joints}"));
             }

@@ -87,10 +87,7 @@ impl Followers {
         let known = self.skins.iter().position(|(index, _)| *index == skin.index);
         known.unwrap_or_else(|| {
             let Skin { joints, joint_from_bind, .. } = skin;
-            let new = crate::scene::Skin {
-                joints: joints.clone(),
-                joint_from_bind: joint_from_bind.clone(),
-            };
+            let new = crate::scene::Skin { joints: joints.clone(), joint_from_bind: joint_from_bind.clone() };
             self.skins.push((skin.index, new));
             self.skins.len() - 1
         })
@@ -114,7 +111,9 @@ impl Followers {
         for &i in &tree.drawn {
             if let Some(size) = decal::size(doc, i)? {
                 let node_from_decal = DMat4::from_scale(size.as_dvec3()).as_mat4();
-                self.list.extend(moving.place(i).then_some((i, Follows::Decal { decal: decals, node_from_decal })));
+                self.list.extend(
+                    moving.place(i).then_some((i, Follows::Decal { decal: decals, node_from_decal })),
+                );
                 decals += 1;
             }
             let stays = particles::said(doc, i)?.is_some() || node::extras(doc, i)?.get("probe").is_some();

@@ -93,7 +93,8 @@ impl Posture {
                     _ => {
                         let rotation = DVec4::new(x, y, z, w).try_normalize().ok_or_else(|| {
                             let name = &motion.nodes[node].name;
-                            let problem = format!("the rotation of node '{name}' is a quaternion of length 0");
+                            let problem =
+                                format!("the rotation of node '{name}' is a quaternion of length 0");
                             Error::unsupported(problem, "correct the spline's tangents")
                         })?;
                         parts.rotation = DQuat::from_vec4(rotation);
@@ -170,7 +171,8 @@ impl Scene {
                 let position = world.w_axis.truncate().as_vec3();
                 let up = up_of(direction, world.y_axis.truncate()).as_vec3();
                 let direction = direction.as_vec3();
-                if (light.position_world, light.direction_world, light.up_world) != (position, direction, up) {
+                if (light.position_world, light.direction_world, light.up_world) != (position, direction, up)
+                {
                     (light.position_world, light.direction_world, light.up_world) = (position, direction, up);
                     Changes::note(&mut changes.lights, index);
                 }
@@ -208,7 +210,9 @@ impl Scene {
                 let object_from_world = DMat4::from_translation(-origin.as_dvec3());
                 let mut has_changed = false;
                 let joints = skin.joints.iter().zip(&skin.joint_from_bind);
-                for (old, (&joint, joint_from_bind)) in deformation.pose.object_from_bind.iter_mut().zip(joints) {
+                for (old, (&joint, joint_from_bind)) in
+                    deformation.pose.object_from_bind.iter_mut().zip(joints)
+                {
                     let world_from_bind = posture.world_from_node[joint] * joint_from_bind.as_dmat4();
                     let new = (object_from_world * world_from_bind).as_mat4();
                     has_changed |= *old != new;

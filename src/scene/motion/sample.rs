@@ -23,12 +23,7 @@ fn between(times_s: &[f32], time_s: f64) -> Between {
 /// The cubic Hermite spline's factors of the value and the tangent that leave a key, and of those that arrive at the next.
 fn hermite(t: f64, seconds: f64) -> [f64; 4] {
     let (t2, t3) = (t * t, t * t * t);
-    [
-        2.0 * t3 - 3.0 * t2 + 1.0,
-        seconds * (t3 - 2.0 * t2 + t),
-        -2.0 * t3 + 3.0 * t2,
-        seconds * (t3 - t2),
-    ]
+    [2.0 * t3 - 3.0 * t2 + 1.0, seconds * (t3 - 2.0 * t2 + t), -2.0 * t3 + 3.0 * t2, seconds * (t3 - t2)]
 }
 
 impl Channel {
