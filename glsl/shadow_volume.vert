@@ -25,16 +25,18 @@ layout(push_constant, std430) uniform VolumePush {
     uint first_place;   // where the mesh's are among `casters`
     uint first_triangle;
     uint first_edge;
-    uint edge_vertices; // six an edge; those of triangles follow
+    uint edge_vertices; // six an edge; three a triangle follow
     uint turned;        // 1: triangles are clockwise from the front
-    uint unused[3];
+    uint near_ends;     // 1: near ends alone, without edges; 0: walls and far ends
+    uint unused[2];
 } push;
 
 // Surfaces are at the same places to the bit (geometry.vert).
 out gl_PerVertex {
     invariant vec4 gl_Position;
-    // What is before the near plane is in front of every surface. Nothing is clipped at the far plane, and so nothing at the near one
-    // either (depthClampEnable), unless it is done here: depths of huge triangles that go past the camera would be none.
+    // What is before the near plane is in front of every surface. Walls and far ends are not clipped at the far plane, and so not at
+    // the near one either (depthClampEnable), unless it is done here: depths of huge triangles that go past the camera would be none.
+    // Near ends are clipped as the surfaces are whose triangles they are, and so have the same depth to the bit.
     float gl_ClipDistance[1];
 };
 
@@ -68,23 +70,10 @@ vec4 clip_place(uint place, bool at_infinity) {
     return frame.clip_from_world * vec4(position, 1.0);
 }
 
-// How far a triangle's end lies behind the triangle itself, which is not in its own shadow: nowhere, since both have the same depth
-// to the bit, unless the near plane or the far one cuts surfaces. Cut triangles are others, and a rasteriser rounds their depths
-// otherwise: by units in the last place of their nearest corner's, times how far beyond the screen they go.
-float behind(uvec3 places) {
-    float nearest = 0.0;
-    bool is_cut = false;
-    for (uint i = 0u; i < 3u; i++) {
-        vec4 clip = clip_place(places[i], false);
-        is_cut = is_cut || clip.z < 0.0 || clip.z > clip.w;
-        nearest = max(nearest, clip.w > clip.z ? clip.z / clip.w : 1.0);
-    }
-    return is_cut ? nearest / 262144.0 + 1.0 / 8388608.0 : 0.0;
-}
-
 void main() {
     uint vertex = uint(gl_VertexIndex);
     bool turned = push.turned != 0u;
+    bool is_far = push.near_ends == 0u;
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
     gl_ClipDistance[0] = 1.0;
     if (vertex < push.edge_vertices) {
@@ -101,18 +90,13 @@ void main() {
         }
         return;
     }
-    uint triangle = (vertex - push.edge_vertices) / 6u;
+    // The near end as it is seen from the light, the far end the other way round.
+    uint triangle = (vertex - push.edge_vertices) / 3u;
     if (faces_light(triangle)) {
         uvec4 places = casters[push.first_triangle + triangle];
-        uint corner = vertex % 6u;
-        // The near end as it is seen from the light, the far end the other way round.
-        bool is_far = corner >= 3u;
-        uint at = corner % 3u;
+        uint at = vertex % 3u;
         at = is_far != turned && at != 0u ? 3u - at : at;
         gl_Position = clip_place(places[at], is_far);
-        gl_ClipDistance[0] = gl_Position.w - gl_Position.z;
-        if (!is_far) {
-            gl_Position.z -= behind(places.xyz) * gl_Position.w;
-        }
+        gl_ClipDistance[0] = is_far ? gl_Position.w - gl_Position.z : 1.0;
     }
 }

@@ -43,6 +43,18 @@
 /// depthClamp: shadow volumes want it.
 #define ONTILE_FEATURE_DEPTH_CLAMP (1 << 8)
 
+/// `samplerAnisotropy`: samplers that ask for it do without otherwise.
+#define ONTILE_FEATURE_SAMPLER_ANISOTROPY (1 << 9)
+
+/// `textureCompressionBC`. Compressed pictures of a kind that is not enabled are decoded when they are uploaded.
+#define ONTILE_FEATURE_TEXTURE_COMPRESSION_BC (1 << 10)
+
+/// `textureCompressionETC2`.
+#define ONTILE_FEATURE_TEXTURE_COMPRESSION_ETC2 (1 << 11)
+
+/// `textureCompressionASTC_LDR`.
+#define ONTILE_FEATURE_TEXTURE_COMPRESSION_ASTC (1 << 12)
+
 /// What came of a call.
 typedef enum OntileResult {
   /// It was done.
@@ -327,6 +339,8 @@ typedef struct OntileTexture {
   uint32_t wrap_u;
   /// An OntileWrap, along v.
   uint32_t wrap_v;
+  /// Samples where a pixel covers a long, narrow part of the picture: 16 at most; 0 and 1 are none.
+  uint8_t max_anisotropy;
 } OntileTexture;
 
 /// A picture, 8 bits a channel, rows from the top.
@@ -339,6 +353,10 @@ typedef struct OntileImage {
   uint32_t height;
   /// width * height * 4 bytes: red, green, blue, alpha.
   const uint8_t *rgba8;
+  /// Null, or a KTX 2.0 file in memory, which is taken instead of all but the name.
+  const uint8_t *ktx2;
+  /// Bytes of that file.
+  size_t ktx2_bytes;
 } OntileImage;
 
 /// A placement of a mesh.

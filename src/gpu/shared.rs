@@ -203,12 +203,14 @@ pub struct VolumePush {
     pub first_triangle: u32,
     /// Likewise its edges.
     pub first_edge: u32,
-    /// Six an edge; those of triangles follow.
+    /// Six an edge; three a triangle follow.
     pub edge_vertices: u32,
     /// 1: triangles are clockwise from the front.
     pub turned: u32,
+    /// 1: near ends alone, without edges; 0: walls and far ends.
+    pub near_ends: u32,
     /// To a multiple of 16 bytes.
-    pub unused: [u32; 3],
+    pub unused: [u32; 2],
 }
 
 /// Which light a draw adds: `LightPush` in `glsl/light.frag`, std430.

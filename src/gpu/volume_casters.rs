@@ -25,14 +25,14 @@ struct Caster {
     bounds_world: Aabb,
 }
 
-/// Where a mesh is in the buffer, in elements of 16 bytes, and how many vertices its volume has.
+/// Where a mesh is in the buffer, in elements of 16 bytes, and how many vertices its parts have.
 #[derive(Clone, Copy, Default)]
 struct Place {
     first_place: u32,
     first_triangle: u32,
     first_edge: u32,
     edge_vertices: u32,
-    vertices: u32,
+    triangle_vertices: u32,
 }
 
 /// All casters of a scene that masks do not cut.
@@ -115,6 +115,7 @@ impl VolumeCasters {
         &self,
         light: [f32; 4],
         reach: &Reach,
+        near_ends: bool,
         mut draw: impl FnMut(&VolumePush, u32, Range<u32>),
     ) {
         for batch in &self.batches {
@@ -124,15 +125,17 @@ impl VolumeCasters {
                 first_place: place.first_place,
                 first_triangle: place.first_triangle,
                 first_edge: place.first_edge,
-                edge_vertices: place.edge_vertices,
+                edge_vertices: if near_ends { 0 } else { place.edge_vertices },
                 turned: batch.turned.into(),
-                unused: [0; 3],
+                near_ends: near_ends.into(),
+                unused: [0; 2],
             };
+            let vertices = push.edge_vertices + place.triangle_vertices;
             let is_reached = |i: &usize| !reach.misses_aabb(&self.casters[*i].bounds_world);
             let mut rest = batch.casters.clone();
             while let Some(first) = rest.clone().find(is_reached) {
                 let end = (first + 1..rest.end).find(|i| !is_reached(i)).unwrap_or(rest.end);
-                draw(&push, place.vertices, first as u32..end as u32);
+                draw(&push, vertices, first as u32..end as u32);
                 rest.start = end;
             }
         }
@@ -207,6 +210,6 @@ fn place(mesh: &crate::scene::Mesh, words: &mut Vec<[u32; 4]>) -> Place {
         first_triangle,
         first_edge,
         edge_vertices: 6 * caster.edges.len() as u32,
-        vertices: caster.vertex_count(),
+        triangle_vertices: 3 * caster.triangles.len() as u32,
     }
 }

@@ -405,7 +405,8 @@ impl Plan {
             }
             P::LightMask(shape) => format!("light mask, {shape}"),
             P::LightVolume(shape) => format!("light, {shape}"),
-            P::ShadowVolume => "shadow volumes".into(),
+            P::ShadowNearEnds => "shadow volumes, near ends".into(),
+            P::ShadowVolume => "shadow volumes, walls and far ends".into(),
             P::ShadowedLight => "light, where its shadow volumes are not".into(),
             P::Edges => format!("edges, by {}", self.edges),
             P::EdgeLighting | P::EdgeVolume(_) => {

@@ -26,7 +26,10 @@ pub enum Pipeline {
     LightMask(VolumeShape),
     /// Adds lights of one shape, each on what its volume holds.
     LightVolume(VolumeShape),
-    /// Counts the spaces behind what faces a light around each surface; for lights with shadow volumes, each before it is added.
+    /// Counts where the spaces behind what faces a light begin, before each surface: at the triangles themselves, cut by the view's
+    /// planes as they are. For lights with shadow volumes, each before it is added.
+    ShadowNearEnds,
+    /// Likewise where these spaces end: at their walls, or never.
     ShadowVolume,
     /// Adds a light where none was counted, and clears the counts.
     ShadowedLight,
@@ -124,8 +127,9 @@ pub(super) fn of(
     let lighting =
         stage("lighting").into_iter().flat_map(|s| lights::pipelines(needs, way, edges).map(move |p| (s, p)));
     let volumes = stage("lighting").filter(|_| by_volume);
-    let volumes =
-        volumes.into_iter().flat_map(|s| [(s, Pipeline::ShadowVolume), (s, Pipeline::ShadowedLight)]);
+    let volumes = volumes.into_iter().flat_map(|s| {
+        [Pipeline::ShadowNearEnds, Pipeline::ShadowVolume, Pipeline::ShadowedLight].map(|p| (s, p))
+    });
     let tonemap = stage("tonemap").map(|s| (s, Pipeline::Tonemap));
     let sky = needs.sky.then_some((surface, Pipeline::Sky));
     let decals = stage("decals")

@@ -11,6 +11,8 @@
 //! # }
 //! ```
 
+#[cfg(all(feature = "android", target_os = "android"))]
+mod android;
 mod app;
 mod frames;
 mod hand;

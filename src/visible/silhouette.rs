@@ -63,11 +63,6 @@ impl CasterMesh {
         }
         mesh
     }
-
-    /// Vertices that draw its shadow volume: two triangles an edge, and both ends of each triangle's.
-    pub fn vertex_count(&self) -> u32 {
-        6 * (self.edges.len() + self.triangles.len()) as u32
-    }
 }
 
 #[cfg(test)]
@@ -98,7 +93,6 @@ mod tests {
         let mesh = CasterMesh::new(&positions, &indices);
         assert_eq!((mesh.positions.len(), mesh.triangles.len(), mesh.edges.len()), (8, 12, 18));
         assert!(mesh.edges.iter().all(|edge| edge[3] != CasterMesh::NONE));
-        assert_eq!(mesh.vertex_count(), 180);
     }
 
     /// An open mesh, one with an edge of three triangles, and triangles without area.

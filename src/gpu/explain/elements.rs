@@ -70,7 +70,9 @@ impl<'a> Elements<'a> {
                 let lit = plan.needs.lit_opaque.as_deref().unwrap_or_default();
                 format!("{lit} is lit by {}", self.light(|_| true))
             }
-            Pipeline::ShadowVolume => format!("{} shadow volumes", self.volume_lights()),
+            Pipeline::ShadowNearEnds | Pipeline::ShadowVolume => {
+                format!("{} shadow volumes", self.volume_lights())
+            }
             Pipeline::ShadowedLight => format!("{} a shadow volume", self.volume_lights()),
             Pipeline::Decal(kind) => {
                 let need = plan.needs.decals.iter().find(|need| need.kind == *kind);

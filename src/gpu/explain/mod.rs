@@ -109,7 +109,9 @@ impl Explanation {
             if part.push_constants {
                 let why = match pipeline {
                     Some((_, Pipeline::Light(_))) => "says which light is added",
-                    Some((_, Pipeline::ShadowVolume)) => "says whose shadow is counted, and of which mesh",
+                    Some((_, Pipeline::ShadowNearEnds | Pipeline::ShadowVolume)) => {
+                        "says whose shadow is counted, and of which mesh"
+                    }
                     _ => "the view of the tile that is drawn",
                 };
                 add(ExplainedKind::Push, "push constants".into(), of, why.into());

@@ -121,7 +121,7 @@ impl Family {
         let lighting = of_lighting.into_iter().filter_map(|(is_read, binding)| is_read.then_some(binding));
         let of_lights: Vec<u32> = match pipeline {
             Pipeline::LightMask(_) => vec![LIGHTS, VOLUMES],
-            Pipeline::ShadowVolume => vec![CASTERS, CASTER_INSTANCES],
+            Pipeline::ShadowNearEnds | Pipeline::ShadowVolume => vec![CASTERS, CASTER_INSTANCES],
             Pipeline::LightVolume(_) | Pipeline::EdgeVolume(_) => lighting.chain([VOLUMES]).collect(),
             Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog | Pipeline::Edges => {
                 Vec::new()
@@ -161,7 +161,9 @@ impl Family {
         let frame = own.iter().chain(of_surfaces).chain(&of_lights).chain(around).chain(lightmap);
         let second = match pipeline {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
-            Pipeline::LightMask(_) | Pipeline::ShadowVolume | Pipeline::Sky => SecondSet::Nothing,
+            Pipeline::LightMask(_) | Pipeline::ShadowNearEnds | Pipeline::ShadowVolume | Pipeline::Sky => {
+                SecondSet::Nothing
+            }
             Pipeline::Peel { .. } if plan.subpass(stage).2.inputs.is_empty() => SecondSet::Nothing,
             Pipeline::Surface(kind)
             | Pipeline::Depth(kind)
@@ -189,7 +191,7 @@ impl Family {
         };
         let push = match pipeline {
             Pipeline::Light(_) => Push::Light,
-            Pipeline::ShadowVolume => Push::Volume,
+            Pipeline::ShadowNearEnds | Pipeline::ShadowVolume => Push::Volume,
             _ => Push::Nothing,
         };
         let decal_textures = match pipeline {

@@ -108,7 +108,10 @@ impl FixedState {
         let depth = subpass.depth.map(|_| depth_stencil(plan, subpass, pipeline));
         let all =
             vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
-        let one = if matches!(pipeline, Pipeline::LightMask(_) | Pipeline::ShadowVolume | Pipeline::Edges) {
+        let one = if matches!(
+            pipeline,
+            Pipeline::LightMask(_) | Pipeline::ShadowNearEnds | Pipeline::ShadowVolume | Pipeline::Edges
+        ) {
             vk::PipelineColorBlendAttachmentState::default()
         } else if matches!(pipeline, Pipeline::Decal(_)) && subpass.blend {
             // Alpha is the opacity, and what the target has there stays.
@@ -205,7 +208,7 @@ fn depth_stencil(
         }
         // Behind each surface more volumes end than begin if it is within some. What ends where the surface itself is, the near
         // end of its own volume, is behind it: it does not shadow itself.
-        Pipeline::ShadowVolume => {
+        Pipeline::ShadowNearEnds | Pipeline::ShadowVolume => {
             let count = every.compare_op(vk::CompareOp::ALWAYS).write_mask(COUNT_BITS);
             test.depth_compare_op(vk::CompareOp::GREATER)
                 .stencil_test_enable(true)

@@ -126,7 +126,10 @@ impl Frame<'_> {
             match pipeline {
                 Pipeline::LightVolume(shape) => self.draw_volumes(stage, index, *shape),
                 // Drawn in turns with the volumes between them.
-                Pipeline::LightMask(_) | Pipeline::EdgeVolume(_) | Pipeline::ShadowVolume => {}
+                Pipeline::LightMask(_)
+                | Pipeline::EdgeVolume(_)
+                | Pipeline::ShadowNearEnds
+                | Pipeline::ShadowVolume => {}
                 Pipeline::ShadowedLight => self.draw_shadowed_lights(stage, index),
                 Pipeline::Particles(_) => self.draw_particles(stage, index),
                 _ => self.counted(stage, index, None, |frame| {
