@@ -6,16 +6,6 @@ use core::ffi::{c_int, c_void};
 /// _URC_END_OF_STACK of the Itanium C++ ABI.
 const END_OF_STACK: c_int = 5;
 
-unsafe extern "C" {
-    fn abort() -> !;
-}
-
-#[panic_handler]
-fn panic(_: &core::panic::PanicInfo) -> ! {
-    // SAFETY: it has no conditions.
-    unsafe { abort() }
-}
-
 #[unsafe(no_mangle)]
 extern "C" fn _Unwind_Backtrace(_trace: *const c_void, _argument: *mut c_void) -> c_int {
     END_OF_STACK
