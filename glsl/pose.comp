@@ -9,11 +9,11 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 // Of all meshes that bend: positions, normals, tangents (floats), then of each vertex its influences (two words of joints, 16 bits each,
 // and four weights, floats), then displacements.
-layout(set = SET_FRAME, binding = BINDING_REST_POSES, std430) readonly buffer RestPoses {
-    uint rest_poses[];
+layout(set = SET_FRAME, binding = BINDING_REST, std430) readonly buffer Rest {
+    uint rest[];
 };
 
-// Three rows a joint; of morph targets that have a weight: the weight, and where in `rest_poses` the displacements of positions, normals
+// Three rows a joint; of morph targets that have a weight: the weight, and where in `rest` the displacements of positions, normals
 // and tangents begin, as bits.
 layout(set = SET_FRAME, binding = BINDING_POSES, std430) readonly buffer Poses {
     vec4 poses[];
@@ -26,9 +26,9 @@ layout(set = SET_FRAME, binding = BINDING_POSED, std430) writeonly buffer Posed 
 // Mirrors PosePush in src/gpu/shared.rs.
 layout(push_constant, std430) uniform PosePush {
     uint vertices;
-    uint first_source;    // in `rest_poses`, the vertex that each of these is posed as; NONE: itself
+    uint first_source;    // in `rest`, the vertex that each of these is posed as; NONE: itself
     uint influences;      // of each vertex
-    uint first_influence; // where lists begin in `rest_poses`
+    uint first_influence; // where lists begin in `rest`
     uint rest_position;
     uint rest_normal;     // NONE: there are no normals
     uint rest_tangent;    // likewise
@@ -43,9 +43,9 @@ layout(push_constant, std430) uniform PosePush {
 
 const uint NONE = 0xffffffffu;
 
-vec3 rest(uint first, uint vertex, uint stride) {
+vec3 read(uint first, uint vertex, uint stride) {
     uint at = first + vertex * stride;
-    return uintBitsToFloat(uvec3(rest_poses[at], rest_poses[at + 1u], rest_poses[at + 2u]));
+    return uintBitsToFloat(uvec3(rest[at], rest[at + 1u], rest[at + 2u]));
 }
 
 void write(uint at, vec3 value) {
@@ -62,32 +62,32 @@ void main() {
     }
     uint vertex = written;
     if (push.first_source != NONE) {
-        vertex = rest_poses[push.first_source + written];
+        vertex = rest[push.first_source + written];
     }
     bool has_normal = push.rest_normal != NONE;
     bool has_tangent = push.rest_tangent != NONE;
-    vec3 position = rest(push.rest_position, vertex, 3u);
+    vec3 position = read(push.rest_position, vertex, 3u);
     vec3 normal = vec3(0.0);
     vec3 tangent = vec3(0.0);
     float bitangent_sign = 1.0;
     if (has_normal) {
-        normal = rest(push.rest_normal, vertex, 3u);
+        normal = read(push.rest_normal, vertex, 3u);
     }
     if (has_tangent) {
-        tangent = rest(push.rest_tangent, vertex, 4u);
-        bitangent_sign = uintBitsToFloat(rest_poses[push.rest_tangent + vertex * 4u + 3u]);
+        tangent = read(push.rest_tangent, vertex, 4u);
+        bitangent_sign = uintBitsToFloat(rest[push.rest_tangent + vertex * 4u + 3u]);
     }
     for (uint i = 0u; i < push.targets; i++) {
         vec4 target = poses[push.first_target + i];
         uvec3 first = floatBitsToUint(target.yzw);
         if (first.x != NONE) {
-            position += rest(first.x, vertex, 3u) * target.x;
+            position += read(first.x, vertex, 3u) * target.x;
         }
         if (has_normal && first.y != NONE) {
-            normal += rest(first.y, vertex, 3u) * target.x;
+            normal += read(first.y, vertex, 3u) * target.x;
         }
         if (has_tangent && first.z != NONE) {
-            tangent += rest(first.z, vertex, 3u) * target.x;
+            tangent += read(first.z, vertex, 3u) * target.x;
         }
     }
     if (push.influences > 0u) {
@@ -96,10 +96,10 @@ void main() {
         vec4 row2 = vec4(0.0);
         for (uint i = 0u; i < push.influences; i++) {
             uint at = push.first_influence + (vertex * push.influences + i) * 6u;
-            uvec2 pairs = uvec2(rest_poses[at], rest_poses[at + 1u]);
+            uvec2 pairs = uvec2(rest[at], rest[at + 1u]);
             uvec4 joints = uvec4(pairs.x & 0xffffu, pairs.x >> 16, pairs.y & 0xffffu, pairs.y >> 16);
             for (uint k = 0u; k < 4u; k++) {
-                float weight = uintBitsToFloat(rest_poses[at + 2u + k]);
+                float weight = uintBitsToFloat(rest[at + 2u + k]);
                 uint joint = push.first_joint + joints[k] * 3u;
                 row0 += poses[joint] * weight;
                 row1 += poses[joint + 1u] * weight;

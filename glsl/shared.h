@@ -31,7 +31,7 @@
 // Beside input attachments: scattered light that the tone curve mixes in.
 #define BINDING_BLOOM 24
 // What meshes that bend are posed from, and what is written of them.
-#define BINDING_REST_POSES 25
+#define BINDING_REST 25
 #define BINDING_POSES 26
 #define BINDING_POSED 27
 #define BINDING_MATERIAL 0

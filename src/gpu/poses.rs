@@ -71,11 +71,7 @@ const BINDINGS: [Binding; 3] = {
     const fn storage(binding: u32) -> Binding {
         (binding, vk::DescriptorType::STORAGE_BUFFER, 1, vk::ShaderStageFlags::COMPUTE)
     }
-    [
-        storage(shared("BINDING_REST_POSES")),
-        storage(shared("BINDING_POSES")),
-        storage(shared("BINDING_POSED")),
-    ]
+    [storage(shared("BINDING_REST")), storage(shared("BINDING_POSES")), storage(shared("BINDING_POSED"))]
 };
 
 impl PosePipeline {
@@ -255,7 +251,9 @@ impl Poses {
                 "give each joint an affine matrix and each morph target a weight, all finite",
             ));
         }
-        posed.pose.clone_from(pose);
+        // Lists that are there already hold them.
+        posed.pose.object_from_bind.clone_from(&pose.object_from_bind);
+        posed.pose.weights.clone_from(&pose.weights);
         posed.is_stale = true;
         Ok(Some(posed.bounds.of(pose)))
     }

@@ -2,7 +2,7 @@
 
 mod wanted;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use super::material_data::Blocks;
 use super::meshes::Meshes;
 use super::objects::{Batch, Objects};
 use super::particles::SceneParticles;
-use super::pipeline::{Family, FamilyLayout, Pipelines};
+use super::pipeline::{Family, Pipelines};
 use super::poses::Poses;
 use super::shader::shared;
 use super::shadow::ShadowResources;
@@ -31,7 +31,7 @@ use crate::Result;
 use crate::plan::{FrameCounts, Plan, StateChanges, VolumeShape};
 use crate::scene::{Aabb, Changes, Pose, Scene};
 use crate::visible::Reach;
-use wanted::{material_kind, material_textures, texture_keys};
+use wanted::{frame_layouts, material_kind, material_textures, media, texture_keys};
 pub(super) use wanted::{streams, surface, texture_bytes, vertex_streams};
 
 /// A scene on the device.
@@ -436,17 +436,6 @@ impl SceneData {
         self.material_sets = Some(sets);
         Ok(())
     }
-}
-
-/// Those of these materials that light goes through.
-fn media(scene: &Scene, materials: &BTreeSet<usize>) -> BTreeSet<usize> {
-    materials.iter().copied().filter(|&i| scene.materials[i].transmits().is_some()).collect()
-}
-
-/// A layout of each [`Family::frame`].
-fn frame_layouts(pipelines: &Pipelines) -> BTreeMap<u32, &FamilyLayout> {
-    let read = pipelines.layouts.iter().filter(|(family, _)| family.frame() != 0);
-    read.map(|(family, layout)| (family.frame(), layout)).collect()
 }
 
 /// What is bound while surfaces are drawn.

@@ -27,8 +27,10 @@ pub use camera::{Camera, Projection};
 #[cfg(feature = "capi")]
 pub(crate) use check::Checked;
 pub use decal::{Decal, DecalChannels};
+#[cfg(feature = "measure")]
+pub(crate) use deformation::Posed;
+pub(crate) use deformation::PosedBounds;
 pub use deformation::{Deformation, Influence, MorphTarget, Pose};
-pub(crate) use deformation::{Posed, PosedBounds};
 pub use environment::Environment;
 pub use globe_layers::GlobeLayers;
 #[cfg(feature = "measure")]

@@ -25,7 +25,7 @@ pub fn glb() -> Vec<u8> {
     let tracks: Vec<_> = tracks.iter().map(|(node, keys)| (*node, keys.track())).collect();
     glb.animation("dance", &tracks);
     let fill =
-        Light { name: "moon", color: linear(0xa8c0ff), kind: LightKind::Directional { illuminance_lx: 0.5 } };
+        Light { name: "moon", color: linear(0xa8c0ff), kind: LightKind::Directional { illuminance_lx: 1.0 } };
     let moon = glb.light(fill, Pose::looking(Vec3::new(2.0, 3.0, 3.0), Vec3::ZERO));
     glb.extras(moon, json!({"shadow": false}));
     glb.perspective("main", 38.0, Pose::looking(Vec3::new(0.35, 1.15, 3.0), Vec3::new(0.12, 0.62, 0.0)));
@@ -130,7 +130,7 @@ fn snake(glb: &mut Glb) -> Vec<(usize, Keys)> {
         .map(|(i, &node)| {
             let keys = (0..=8).map(|key| {
                 let phase = key as f32 / 8.0 - i as f32 * 0.11;
-                let sway = turn(Vec3::Z, 0.085 * circle(phase).y);
+                let sway = turn(Vec3::Z, 0.045 * circle(phase).y);
                 // The neck is bent forwards.
                 let nod = turn(Vec3::X, if i > 3 { 0.07 } else { -0.015 } + 0.02 * circle(phase * 2.0).x);
                 (key as f32 * 0.5, sway * nod)
@@ -202,14 +202,14 @@ fn lantern(glb: &mut Glb) -> (usize, Keys) {
     let light = Light {
         name: "lantern",
         color: linear(0xffc890),
-        kind: LightKind::Spot { intensity_cd: 14.0, range_m: 9.0, inner_rad: 0.5, outer_rad: 0.85 },
+        kind: LightKind::Spot { intensity_cd: 18.0, range_m: 9.0, inner_rad: 0.5, outer_rad: 0.85 },
     };
     let below = Pose::looking(Vec3::new(0.0, -1.02, 0.0), Vec3::new(0.0, -2.0, -0.12));
     let light = glb.light(light, below);
-    let pivot = glb.group("pivot", &[cage, glow, light], Pose::at(0.25, 2.75, 0.7));
+    let pivot = glb.group("pivot", &[cage, glow, light], Pose::at(0.25, 2.45, 0.25));
     let swing = (0..=8).map(|i| {
         let t = i as f32 / 8.0;
-        (4.0 * t, turn(Vec3::Z, 0.05 * circle(t * 2.0).y))
+        (4.0 * t, turn(Vec3::Z, 0.03 * circle(t * 2.0).y))
     });
     (pivot, Keys::Turns(swing.collect()))
 }
