@@ -37,8 +37,8 @@ fn decals_stay_on_the_tile() {
 fn what_bends_stays_on_the_tile() {
     let Some(turnip) = turnip::find() else { return };
     for (subpasses, scene, layout) in [
-        (3, "bending", Layout::Metallic128),
-        (3, "bending", Layout::Ontile128),
+        (2, "bending", Layout::Metallic128),
+        (2, "bending", Layout::Ontile128),
         (4, "bending_mapped", Layout::Metallic128),
     ] {
         let case = Case::new(scene, layout);
