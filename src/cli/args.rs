@@ -18,7 +18,7 @@ use ontile::plan::{
 use ontile::scene::{Background, FogHeight, Scene};
 
 /// What is looked at.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Scene")]
 pub struct SceneArgs {
     /// The scene: a glTF 2.0 file, .gltf or .glb
@@ -73,7 +73,7 @@ pub struct SceneArgs {
 }
 
 /// Light from far away.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct FarArgs {
     /// Light from far away: an equirectangular .hdr or .exr picture of radiance in cd/m², at most 8192 columns wide, or what 'ontile bake environment' made
     /// of one [default: the scene's own, else none]

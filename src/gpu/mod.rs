@@ -49,6 +49,8 @@ mod pass;
 mod pipeline;
 mod poses;
 mod post;
+#[cfg(feature = "view")]
+mod presenter;
 mod query;
 mod quirks;
 mod readback;
@@ -61,12 +63,16 @@ pub mod shader;
 mod shadow;
 #[doc(hidden)]
 pub mod shared;
+#[cfg(feature = "view")]
+mod swapchain;
 mod target;
 mod texture;
 mod upload;
 mod validation;
 mod view;
 mod volume_casters;
+#[cfg(feature = "view")]
+mod window;
 
 pub use ash;
 pub use gpu_allocator;
@@ -96,6 +102,12 @@ pub use texture::{ColorEncoding, SamplerCache, TextureKey, Textures};
 pub use upload::Upload;
 pub use validation::expected_advice;
 pub use view::View;
+#[cfg(feature = "view")]
+pub use {
+    presenter::{Presented, Presenter},
+    swapchain::{PresentMode, Swapchain},
+    window::{Surface, WindowHandles, WindowHost},
+};
 
 use crate::{Error, Result};
 use ash::vk;
