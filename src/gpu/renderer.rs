@@ -1,6 +1,7 @@
 //! The renderer: a plan made of Vulkan objects, and frames recorded with them.
 
 mod decals;
+mod overlay;
 mod particles;
 mod post;
 mod record;
@@ -14,6 +15,7 @@ use ash::vk;
 use glam::Mat4;
 
 use super::fragments::{DrawCount, FragmentQueries};
+use super::overlay::Overlay;
 use super::pass::VulkanPass;
 use super::pipeline::Pipelines;
 use super::post::PostPasses;
@@ -23,7 +25,7 @@ use super::target::check_formats;
 use super::{
     Device, Image, OutputImage, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
-use crate::plan::{FrameCounts, MergeReport, Needs, OutputUse, Plan, State, Usage};
+use crate::plan::{FrameCounts, MergeReport, Needs, OutputUse, Pipeline, Plan, State, Usage};
 use crate::scene::{Changes, Decal, Light, Particle, Scene};
 use crate::{Error, Result};
 use record::Frame;
@@ -84,6 +86,8 @@ pub struct Renderer {
     queries: Arc<Queries>,
     fragments: Option<FragmentQueries>,
     shadows: Option<Shadows>,
+    /// `None` if the plan has none.
+    overlay: Option<Overlay>,
     scene: SceneData,
     /// `None` if the plan has no passes after the frame's own.
     post: Option<Arc<PostPasses>>,
@@ -181,6 +185,10 @@ impl Renderer {
             Shadows::new(device, scene, (&plan, map), (resources, &data), most, cache)
         });
         let shadows = shadows.transpose()?;
+        let drawn_over = plan.pipelines.iter().position(|(_, p)| *p == Pipeline::Overlay);
+        let overlay = drawn_over
+            .map(|index| Overlay::new(device, index, pipelines.layout_of(index), slot_count, &mut upload));
+        let overlay = overlay.transpose()?;
         let timestamps = if config.stage_timestamps { plan.stage_count() + 1 } else { 2 };
         let queries = match old.filter(|old| old.queries.per_frame() == timestamps as u32) {
             Some(old) => Arc::clone(&old.queries),
@@ -194,6 +202,7 @@ impl Renderer {
             queries,
             fragments: fragments.transpose()?,
             shadows,
+            overlay,
             scene: data,
             post,
             pipelines,

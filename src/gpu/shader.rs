@@ -110,11 +110,15 @@ pub enum Module {
     Particle,
     /// [`Self::Particle`] of several samples a pixel.
     ParticleSamples,
+    /// Places triangles over the picture.
+    OverlayVertex,
+    /// Draws them.
+    Overlay,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 35] = [
+    pub const ALL: [Self; 37] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -150,6 +154,8 @@ impl Module {
         Self::PeelSamples,
         Self::CompositeSamples,
         Self::ForwardSamples,
+        Self::OverlayVertex,
+        Self::Overlay,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -181,6 +187,8 @@ impl Module {
             Self::ParticleVertex => "particle.vert",
             Self::Medium | Self::MediumSamples => "medium.frag",
             Self::Particle | Self::ParticleSamples => "particle.frag",
+            Self::OverlayVertex => "overlay.vert",
+            Self::Overlay => "overlay.frag",
         }
     }
 
