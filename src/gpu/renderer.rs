@@ -7,6 +7,7 @@ mod post;
 mod record;
 mod retired;
 mod shadow_volumes;
+mod told;
 mod update;
 
 use std::sync::Arc;
@@ -14,19 +15,18 @@ use std::sync::Arc;
 use ash::vk;
 use glam::Mat4;
 
-use super::fragments::{DrawCount, FragmentQueries};
+use super::fragments::FragmentQueries;
 use super::overlay::Overlay;
 use super::pass::VulkanPass;
 use super::pipeline::Pipelines;
+use super::poses::Poses;
 use super::post::PostPasses;
 use super::scene_data::SceneData;
 use super::shadow::{RecordedShadows, ShadowResources, Shadows};
 use super::target::check_formats;
-use super::{
-    Device, Image, OutputImage, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
-};
+use super::{Device, Image, OutputImage, PipelineCache, Queries, Recorder, Target, Upload, View, conv};
 use crate::plan::{FrameCounts, MergeReport, Needs, OutputUse, Pipeline, Plan, State, Usage};
-use crate::scene::{Changes, Decal, Light, Particle, Scene};
+use crate::scene::{Changes, Decal, Light, Particle, Pose, Scene};
 use crate::{Error, Result};
 use record::Frame;
 use retired::Retired;
@@ -178,7 +178,7 @@ impl Renderer {
             &pipelines,
             resources.as_ref(),
             slot_count,
-            (&mut upload, kept_data),
+            (&mut upload, cache, kept_data),
         )?;
         let shadows = map.zip(resources).map(|(map, resources)| {
             let most = config.shadow_tiles_per_frame;
@@ -292,24 +292,6 @@ impl Renderer {
         self.recorded
     }
 
-    /// Timestamps and statistics of a frame slot that the GPU has finished: nanoseconds since the frame's begin after
-    /// each stage (with [`RendererConfig::stage_timestamps`]) and at its end.
-    ///
-    /// # Errors
-    /// [`Error::Vulkan`], e.g. when the device was lost.
-    pub fn query_results(&self, slot: usize) -> Result<QueryResults> {
-        self.queries.results(slot as u32)
-    }
-
-    /// How many fragments each draw brought of the frame recorded with this slot, shadow maps aside, in the order of
-    /// recording; the GPU has finished it. Empty without [`RendererConfig::count_fragments`].
-    ///
-    /// # Errors
-    /// [`Error::Vulkan`], e.g. when the device was lost.
-    pub fn draw_counts(&self, slot: usize) -> Result<Vec<DrawCount>> {
-        self.fragments.as_ref().map_or(Ok(Vec::new()), |fragments| fragments.results(slot))
-    }
-
     /// Device memory of the scene's buffers and textures.
     pub fn scene_bytes(&self) -> u64 {
         self.scene.allocated_bytes() + self.shadows.as_ref().map_or(0, Shadows::allocated_bytes)
@@ -327,6 +309,23 @@ impl Renderer {
         self.scene.set_instance(index, world_from_object)?;
         if let Some(shadows) = &mut self.shadows {
             shadows.set_instance(index, world_from_object);
+        }
+        Ok(())
+    }
+
+    /// Poses the scene's mesh `index`, which [bends](crate::scene::Mesh::deformation), for the frames recorded from now on: the next one
+    /// poses it before all else.
+    ///
+    /// Instances of it that are not [dynamic](crate::scene::Instance::dynamic) count as moved.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the pose is of other joints or morph targets than the mesh's, or a number is not finite. Nothing is
+    /// changed then.
+    pub fn set_pose(&mut self, index: usize, pose: &Pose) -> Result<()> {
+        if let Some(bounds) = self.scene.set_pose(index, pose)?
+            && let Some(shadows) = &mut self.shadows
+        {
+            shadows.set_bounds(index, &bounds);
         }
         Ok(())
     }
@@ -377,9 +376,10 @@ impl Renderer {
         self.shadows.as_ref().and_then(Shadows::image)
     }
 
-    /// Draws the shadow map anew with the next frame. Maps are kept on the assumption that the GPU executes every frame that
+    /// Draws the shadow map anew with the next frame, and poses meshes anew. Both are kept on the assumption that the GPU executes every frame that
     /// was recorded, in the order of recording; a host that drops one says so here.
     pub fn redraw_shadows(&mut self) {
+        self.scene.poses_mut().into_iter().for_each(Poses::redo);
         if let Some(shadows) = &mut self.shadows {
             shadows.redraw();
         }
@@ -422,6 +422,7 @@ impl Renderer {
             post.prepare(recorder, &self.plan);
             post.recorded(exposure);
         }
+        self.scene.poses_mut().into_iter().for_each(|poses| poses.record(recorder, slot));
         let shadows = self.shadows.as_mut().map(|s| s.record(recorder, slot, view, aspect, &self.scene));
         let shadows = shadows.unwrap_or_default();
         let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };

@@ -34,6 +34,8 @@ pub enum Stage {
     Vertex,
     /// Fragment shader.
     Fragment,
+    /// Compute shader.
+    Compute,
 }
 
 /// A shader module: one source each. All that sets pipelines apart are specialisation constants, G-buffer layouts included: what
@@ -114,11 +116,13 @@ pub enum Module {
     OverlayVertex,
     /// Draws them.
     Overlay,
+    /// Poses a mesh.
+    Pose,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 37] = [
+    pub const ALL: [Self; 38] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -156,6 +160,7 @@ impl Module {
         Self::ForwardSamples,
         Self::OverlayVertex,
         Self::Overlay,
+        Self::Pose,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -189,6 +194,7 @@ impl Module {
             Self::Particle | Self::ParticleSamples => "particle.frag",
             Self::OverlayVertex => "overlay.vert",
             Self::Overlay => "overlay.frag",
+            Self::Pose => "pose.comp",
         }
     }
 
@@ -243,7 +249,11 @@ impl Module {
 
     /// The stage that it is for.
     pub fn stage(self) -> Stage {
-        if self.source().ends_with(".vert") { Stage::Vertex } else { Stage::Fragment }
+        match self.source().rsplit_once('.') {
+            Some((_, "vert")) => Stage::Vertex,
+            Some((_, "comp")) => Stage::Compute,
+            _ => Stage::Fragment,
+        }
     }
 
     /// The compiled module; its entry point is `main`.

@@ -18,9 +18,10 @@ fn names<'a>(all: impl Iterator<Item = &'a str>) -> Names {
 }
 
 /// Buffers that every frame slot has of its own.
-const OF_A_SLOT: [&str; 12] = [
+const OF_A_SLOT: [&str; 13] = [
     "overlay vertices",
     "overlay indices",
+    "poses",
     "decals",
     "particles",
     "volume caster instances",
