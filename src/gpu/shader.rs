@@ -112,13 +112,17 @@ pub enum Module {
     Particle,
     /// [`Self::Particle`] of several samples a pixel.
     ParticleSamples,
+    /// Places triangles over the picture.
+    OverlayVertex,
+    /// Draws them.
+    Overlay,
     /// Poses a mesh.
     Pose,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 36] = [
+    pub const ALL: [Self; 38] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -154,6 +158,8 @@ impl Module {
         Self::PeelSamples,
         Self::CompositeSamples,
         Self::ForwardSamples,
+        Self::OverlayVertex,
+        Self::Overlay,
         Self::Pose,
     ];
 
@@ -186,6 +192,8 @@ impl Module {
             Self::ParticleVertex => "particle.vert",
             Self::Medium | Self::MediumSamples => "medium.frag",
             Self::Particle | Self::ParticleSamples => "particle.frag",
+            Self::OverlayVertex => "overlay.vert",
+            Self::Overlay => "overlay.frag",
             Self::Pose => "pose.comp",
         }
     }

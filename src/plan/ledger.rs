@@ -381,6 +381,7 @@ impl Plan {
             }
             P::Lighting => "lighting".into(),
             P::Fog => "fog".into(),
+            P::Overlay => "overlay".into(),
             P::Composite => format!("composite, {}", self.options.translucency),
             P::Peel { kind, first } => {
                 let flags = [(kind.double_sided, " +double-sided"), (kind.mirrored, " +mirrored")];

@@ -120,6 +120,8 @@ pub struct Options {
     /// Shadows by counting, in the stencil, the spaces behind what faces a light, in place of shadow maps: directional, point and spot
     /// lights, each added by itself. [`crate::scene::Shadow::volume`] says so of one light, and wins.
     pub shadow_volumes: bool,
+    /// Leave room for triangles over the picture, drawn at the end of the stage that writes it: a program's own interface.
+    pub overlay: bool,
 }
 
 impl Default for Options {
@@ -160,6 +162,7 @@ impl Default for Options {
             bloom_radius: 0.1,
             edge_filter: false,
             shadow_volumes: false,
+            overlay: false,
         }
     }
 }

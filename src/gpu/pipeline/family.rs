@@ -4,7 +4,7 @@ use ash::vk;
 
 use super::super::descriptor::{Binding, set_layout};
 use super::super::shader::{LightLoop, shared};
-use super::super::shared::{LightPush, VolumePush};
+use super::super::shared::{LightPush, OverlayPush, VolumePush};
 use super::super::{Device, Owned};
 use super::modules::lighting_constants;
 use crate::Result;
@@ -31,6 +31,8 @@ pub(in crate::gpu) enum Push {
     Light,
     /// `VolumePush`, for vertices.
     Volume,
+    /// `OverlayPush`, for vertices.
+    Overlay,
 }
 
 /// The set beside `SET_FRAME`.
@@ -126,7 +128,9 @@ impl Family {
             Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog | Pipeline::Edges => {
                 Vec::new()
             }
-            Pipeline::Peel { .. } | Pipeline::Composite | Pipeline::Absorb(_) => Vec::new(),
+            Pipeline::Peel { .. } | Pipeline::Composite | Pipeline::Absorb(_) | Pipeline::Overlay => {
+                Vec::new()
+            }
             Pipeline::Decal(_) => vec![DECALS],
             Pipeline::Particles(_) => vec![PARTICLES],
             Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
@@ -156,7 +160,11 @@ impl Family {
         let around = around.iter().filter(|&&binding| has_table || binding != SPLIT_SUM);
         let of_surfaces: &[u32] = if pipeline.is_of_surfaces() { &[INSTANCES] } else { &[] };
         // Where samples lie, if only depth tells.
-        let reads_frame = *pipeline != Pipeline::Edges || reads_depth(plan);
+        let reads_frame = match pipeline {
+            Pipeline::Edges => reads_depth(plan),
+            Pipeline::Overlay => false,
+            _ => true,
+        };
         let own: &[u32] = if reads_frame { &[FRAME] } else { &[] };
         let frame = own.iter().chain(of_surfaces).chain(&of_lights).chain(around).chain(lightmap);
         let second = match pipeline {
@@ -165,6 +173,9 @@ impl Family {
                 SecondSet::Nothing
             }
             Pipeline::Peel { .. } if plan.subpass(stage).2.inputs.is_empty() => SecondSet::Nothing,
+            Pipeline::Overlay => {
+                SecondSet::Samplers { bindings: 1 << const { shared("BINDING_POST_COLOR") } }
+            }
             Pipeline::Surface(kind)
             | Pipeline::Depth(kind)
             | Pipeline::Light(kind)
@@ -192,6 +203,7 @@ impl Family {
         let push = match pipeline {
             Pipeline::Light(_) => Push::Light,
             Pipeline::ShadowNearEnds | Pipeline::ShadowVolume => Push::Volume,
+            Pipeline::Overlay => Push::Overlay,
             _ => Push::Nothing,
         };
         let decal_textures = match pipeline {
@@ -301,6 +313,7 @@ impl FamilyLayout {
         let push = match family.push {
             Push::Nothing => None,
             Push::Light => Some(range(vk::ShaderStageFlags::FRAGMENT, size_of::<LightPush>())),
+            Push::Overlay => Some(range(vk::ShaderStageFlags::VERTEX, size_of::<OverlayPush>())),
             Push::Volume => Some(range(vk::ShaderStageFlags::VERTEX, size_of::<VolumePush>())),
         };
         let pushes = push.as_slice();
