@@ -25,7 +25,7 @@ pub fn glb() -> Vec<u8> {
     let tracks: Vec<_> = tracks.iter().map(|(node, keys)| (*node, keys.track())).collect();
     glb.animation("dance", &tracks);
     let fill =
-        Light { name: "moon", color: linear(0xa8c0ff), kind: LightKind::Directional { illuminance_lx: 1.0 } };
+        Light { name: "moon", color: linear(0xa8c0ff), kind: LightKind::Directional { illuminance_lx: 3.0 } };
     let moon = glb.light(fill, Pose::looking(Vec3::new(2.0, 3.0, 3.0), Vec3::ZERO));
     glb.extras(moon, json!({"shadow": false}));
     glb.perspective("main", 38.0, Pose::looking(Vec3::new(0.35, 1.15, 3.0), Vec3::new(0.12, 0.62, 0.0)));
