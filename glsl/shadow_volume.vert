@@ -27,17 +27,17 @@ layout(push_constant, std430) uniform VolumePush {
     uint first_edge;
     uint edge_vertices; // six an edge; three a triangle follow
     uint turned;        // 1: triangles are clockwise from the front
-    uint near_ends;     // 1: near ends alone, without edges; 0: walls and far ends
-    uint unused[2];
+    uint unused[3];
 } push;
 
 // Surfaces are at the same places to the bit (geometry.vert).
 out gl_PerVertex {
     invariant vec4 gl_Position;
+#ifndef NEAR_ENDS
     // What is before the near plane is in front of every surface. Walls and far ends are not clipped at the far plane, and so not at
     // the near one either (depthClampEnable), unless it is done here: depths of huge triangles that go past the camera would be none.
-    // Near ends are clipped as the surfaces are whose triangles they are, and so have the same depth to the bit.
     float gl_ClipDistance[1];
+#endif
 };
 
 const uint NO_TRIANGLE = 0xffffffffu;
@@ -70,33 +70,42 @@ vec4 clip_place(uint place, bool at_infinity) {
     return frame.clip_from_world * vec4(position, 1.0);
 }
 
+// A corner of a triangle's near end, as it is seen from the light, or of its far end, which goes the other way round.
+vec4 end_corner(uint vertex, bool is_far) {
+    uint triangle = vertex / 3u;
+    if (!faces_light(triangle)) {
+        return vec4(0.0, 0.0, 0.0, 1.0);
+    }
+    uvec4 places = casters[push.first_triangle + triangle];
+    uint at = vertex % 3u;
+    at = is_far != (push.turned != 0u) && at != 0u ? 3u - at : at;
+    return clip_place(places[at], is_far);
+}
+
+#ifdef NEAR_ENDS
+// The triangles themselves, clipped as surfaces are, and so of the same depth to the bit.
+void main() {
+    gl_Position = end_corner(uint(gl_VertexIndex), false);
+}
+#else
+vec4 wall_corner(uint vertex) {
+    uvec4 edge = casters[push.first_edge + vertex / 6u];
+    bool first = faces_light(edge.z);
+    bool second = edge.w != NO_TRIANGLE && faces_light(edge.w);
+    if (first == second) {
+        return vec4(0.0, 0.0, 0.0, 1.0);
+    }
+    // Counter-clockwise from outside: from, from at infinity, to at infinity; from, to at infinity, to.
+    const uint ends[6] = uint[](0u, 2u, 3u, 0u, 3u, 1u);
+    uint end = ends[vertex % 6u];
+    bool is_to = ((end & 1u) != 0u) != (first == (push.turned != 0u));
+    return clip_place(is_to ? edge.y : edge.x, end >= 2u);
+}
+
 void main() {
     uint vertex = uint(gl_VertexIndex);
-    bool turned = push.turned != 0u;
-    bool is_far = push.near_ends == 0u;
-    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
-    gl_ClipDistance[0] = 1.0;
-    if (vertex < push.edge_vertices) {
-        uvec4 edge = casters[push.first_edge + vertex / 6u];
-        bool first = faces_light(edge.z);
-        bool second = edge.w != NO_TRIANGLE && faces_light(edge.w);
-        if (first != second) {
-            // Counter-clockwise from outside: from, from at infinity, to at infinity; from, to at infinity, to.
-            const uint ends[6] = uint[](0u, 2u, 3u, 0u, 3u, 1u);
-            uint end = ends[vertex % 6u];
-            bool is_to = ((end & 1u) != 0u) != (first == turned);
-            gl_Position = clip_place(is_to ? edge.y : edge.x, end >= 2u);
-            gl_ClipDistance[0] = gl_Position.w - gl_Position.z;
-        }
-        return;
-    }
-    // The near end as it is seen from the light, the far end the other way round.
-    uint triangle = (vertex - push.edge_vertices) / 3u;
-    if (faces_light(triangle)) {
-        uvec4 places = casters[push.first_triangle + triangle];
-        uint at = vertex % 3u;
-        at = is_far != turned && at != 0u ? 3u - at : at;
-        gl_Position = clip_place(places[at], is_far);
-        gl_ClipDistance[0] = is_far ? gl_Position.w - gl_Position.z : 1.0;
-    }
+    bool is_wall = vertex < push.edge_vertices;
+    gl_Position = is_wall ? wall_corner(vertex) : end_corner(vertex - push.edge_vertices, true);
+    gl_ClipDistance[0] = gl_Position.w - gl_Position.z;
 }
+#endif

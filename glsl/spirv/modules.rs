@@ -33,6 +33,7 @@ embed![
     "pose.comp",
     "shadow.vert",
     "shadow_compose.frag",
+    "shadow_near_ends.vert",
     "shadow_volume.vert",
     "sky.frag",
     "tonemap.frag",

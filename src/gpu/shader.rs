@@ -100,8 +100,10 @@ pub enum Module {
     Bloom,
     /// Smooths edges.
     EdgeFilter,
-    /// The space behind what faces a light.
+    /// The space behind what faces a light: its walls and far ends.
     ShadowVolumeVertex,
+    /// Its near ends.
+    ShadowNearEndsVertex,
     /// The square of a particle.
     ParticleVertex,
     /// Multiplies what is behind a surface that light goes through, or adds its own light.
@@ -122,7 +124,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 38] = [
+    pub const ALL: [Self; 39] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -140,6 +142,7 @@ impl Module {
         Self::Bloom,
         Self::EdgeFilter,
         Self::ShadowVolumeVertex,
+        Self::ShadowNearEndsVertex,
         Self::LightingSamples,
         Self::TonemapSamples,
         Self::Edges,
@@ -188,7 +191,7 @@ impl Module {
             Self::Composite | Self::CompositeSamples => "composite.frag",
             Self::Bloom => "bloom.frag",
             Self::EdgeFilter => "edge_filter.frag",
-            Self::ShadowVolumeVertex => "shadow_volume.vert",
+            Self::ShadowVolumeVertex | Self::ShadowNearEndsVertex => "shadow_volume.vert",
             Self::ParticleVertex => "particle.vert",
             Self::Medium | Self::MediumSamples => "medium.frag",
             Self::Particle | Self::ParticleSamples => "particle.frag",
@@ -201,6 +204,7 @@ impl Module {
     /// Its name, which no other module has: that of its source or, where it is compiled from that in another way, beside it.
     pub fn name(self) -> &'static str {
         match self {
+            Self::ShadowNearEndsVertex => "shadow_near_ends.vert",
             Self::LightingSamples => "lighting_samples.frag",
             Self::TonemapSamples => "tonemap_samples.frag",
             Self::DecalSamples => "decal_samples.frag",
@@ -227,6 +231,7 @@ impl Module {
             | Self::PeelSamples
             | Self::CompositeSamples
             | Self::ForwardSamples => &["MULTISAMPLED"],
+            Self::ShadowNearEndsVertex => &["NEAR_ENDS"],
             _ => &[],
         }
     }

@@ -207,10 +207,8 @@ pub struct VolumePush {
     pub edge_vertices: u32,
     /// 1: triangles are clockwise from the front.
     pub turned: u32,
-    /// 1: near ends alone, without edges; 0: walls and far ends.
-    pub near_ends: u32,
     /// To a multiple of 16 bytes.
-    pub unused: [u32; 2],
+    pub unused: [u32; 3],
 }
 
 /// How large an image is that triangles are drawn over: `Push` in `glsl/overlay.vert`, std430.

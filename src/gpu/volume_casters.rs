@@ -145,8 +145,7 @@ impl VolumeCasters {
                 first_edge: place.first_edge,
                 edge_vertices: if near_ends { 0 } else { place.edge_vertices },
                 turned: batch.turned.into(),
-                near_ends: near_ends.into(),
-                unused: [0; 2],
+                unused: [0; 3],
             };
             let vertices = push.edge_vertices + place.triangle_vertices;
             let is_reached = |i: &usize| !reach.misses_aabb(&self.casters[*i].bounds_world);

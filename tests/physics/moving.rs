@@ -12,7 +12,7 @@ const TIMES_S: [f64; 4] = [0.0, 0.4, 1.1, 2.0];
 
 /// A picture of one texel, so that no filter's precision shows.
 fn texel() -> Image {
-    Image { name: "texel".into(), width: 1, height: 1, rgba8: vec![190, 100, 230, 255] }
+    Image { name: "texel".into(), width: 1, height: 1, texels: vec![190, 100, 230, 255].into() }
 }
 
 #[test]

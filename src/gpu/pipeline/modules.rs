@@ -62,9 +62,8 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::LightVolume(shape) | Pipeline::EdgeVolume(shape) => {
             (Module::LightVolume, Some(Module::Lighting), shape_constant(*shape))
         }
-        Pipeline::ShadowNearEnds | Pipeline::ShadowVolume => {
-            (Module::ShadowVolumeVertex, None, Specialization::default())
-        }
+        Pipeline::ShadowNearEnds => (Module::ShadowNearEndsVertex, None, Specialization::default()),
+        Pipeline::ShadowVolume => (Module::ShadowVolumeVertex, None, Specialization::default()),
         Pipeline::ShadowedLight => {
             let of_instance = Specialization::volume(const { shared("VOLUME_OF_INSTANCE") });
             (Module::LightVolume, Some(Module::Lighting), of_instance)
