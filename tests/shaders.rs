@@ -269,7 +269,7 @@ fn every_constant() -> Specialization {
         .and(Specialization::edge_filter(0.0))
         .and(Specialization::translucency(Translucency::Oit, 4, true))
         .and(Specialization::behind(Some(true)))
-        .and(Specialization::absorbs(true))
+        .and(Specialization::medium(true, true))
 }
 
 #[test]

@@ -12,7 +12,7 @@ use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
     BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, Options,
-    OutputFormat, Path, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
+    OutputFormat, Path, Refraction, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
     Translucency,
 };
 use ontile::scene::{Background, FogHeight, Scene};
@@ -207,6 +207,10 @@ pub struct PlanArgs {
     /// shadow maps: for directional, point and spot lights without alpha masks in their reach [default: off]
     #[arg(long)]
     pub shadow_volumes: bool,
+    /// Whether water and glass bend what is behind them: none, or pass, a second render pass that samples what is opaque, which is
+    /// stored for it with its depth (the plan tells the price)
+    #[arg(long, value_name = "NAME", default_value_t = Refraction::None, value_parser = named(Refraction::ALL, Refraction::name))]
+    pub refraction: Refraction,
 }
 
 impl PlanArgs {
@@ -245,6 +249,7 @@ impl PlanArgs {
             bloom_radius: self.bloom_radius,
             edge_filter: self.edge_filter,
             shadow_volumes: self.shadow_volumes,
+            refraction: self.refraction,
             dither: self.dither,
             samples: self.samples,
             edges: self.edges,

@@ -106,6 +106,8 @@ pub enum Module {
     Medium,
     /// [`Self::Medium`] of several samples a pixel.
     MediumSamples,
+    /// Copies what media sample to where they are drawn.
+    Backdrop,
     /// Adds a particle's light.
     Particle,
     /// [`Self::Particle`] of several samples a pixel.
@@ -114,7 +116,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 35] = [
+    pub const ALL: [Self; 36] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -150,6 +152,7 @@ impl Module {
         Self::PeelSamples,
         Self::CompositeSamples,
         Self::ForwardSamples,
+        Self::Backdrop,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -176,6 +179,7 @@ impl Module {
             Self::Peel | Self::PeelSamples => "peel.frag",
             Self::Composite | Self::CompositeSamples => "composite.frag",
             Self::Bloom => "bloom.frag",
+            Self::Backdrop => "backdrop.frag",
             Self::EdgeFilter => "edge_filter.frag",
             Self::ShadowVolumeVertex => "shadow_volume.vert",
             Self::ParticleVertex => "particle.vert",

@@ -78,8 +78,10 @@ pub struct MediumData {
     pub factor: f32,
     /// Reflectance at normal incidence.
     pub f0: f32,
+    /// 1 / index of refraction.
+    pub inverse_ior: f32,
     /// Unused.
-    pub padding: [f32; 2],
+    pub padding: f32,
 }
 
 /// What does not change about an environment: `Environment` in `glsl/light/environment.glsl`, std140.

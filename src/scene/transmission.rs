@@ -50,6 +50,12 @@ impl Transmission {
         (-self.absorption_per_m() * way_m.min(f64::from(self.thickness_m))).exp()
     }
 
+    /// Whether light goes on in another direction behind the surface: a thin pane has another surface that bends it back
+    /// (KHR_materials_volume).
+    pub fn bends(&self) -> bool {
+        self.thickness_m > 0.0 && self.ior > 1.0
+    }
+
     /// Reflectance at normal incidence.
     pub fn f0(&self) -> f64 {
         let n = f64::from(self.ior);

@@ -7,7 +7,7 @@ use ontile::gpu::{
 };
 use ontile::plan::{
     Access, Adreno, Bins, BloomWay, DecalWay, DepthStore, Edges, Layout, LightWay, Limits, Merging, Needs,
-    Options, Path as LightPath, Plan, Store, Strategy, Translucency,
+    Options, Path as LightPath, Plan, Refraction, Store, Strategy, Translucency,
 };
 use ontile::scene::{Scene, Shadow};
 use serde::{Deserialize, Serialize};
@@ -38,6 +38,7 @@ pub struct Case {
     /// The last instance is dynamic, and moves before a second frame.
     pub moves: bool,
     pub decals: DecalWay,
+    pub refraction: Refraction,
 }
 
 /// What is wrong with the plan.
@@ -96,6 +97,7 @@ impl Case {
             stage_timestamps: false,
             moves: false,
             decals: DecalWay::Auto,
+            refraction: Refraction::None,
         }
     }
 
@@ -127,6 +129,7 @@ impl Case {
             bloom: self.bloom,
             translucency: self.translucency,
             shadow_volumes: self.shadow_volumes,
+            refraction: self.refraction,
             ..Options::default()
         };
         // What every Adreno of these generations allows.
