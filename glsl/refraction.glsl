@@ -42,7 +42,7 @@ void add_behind(inout Bent sum, vec3 position_world, ivec2 pixel, float depth, f
 // goes on for the thickness). Interpolated between four pixels, without those that show something before the surface.
 Bent bent_light(Surface surface) {
     ivec2 own = ivec2(gl_FragCoord.xy);
-    float own_depth = depth_at(own);
+    float own_depth = HAS_BEHIND ? depth_behind(0) : 0.0;
     vec3 position_world = surface.position_world;
     vec3 direction = refract(-view_direction_world(), surface.normal_world, medium.inverse_ior);
     vec3 end_world = position_world + direction * way_to(position_world, own, own_depth);

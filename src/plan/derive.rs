@@ -149,7 +149,6 @@ fn pass(
         };
         let sampled_by =
             |s: &Stage| s.uses.iter().any(|&(r, how)| how == Use::Sample && place_of(r) == attachment);
-        let sampled_later = frame.stages[last_stage + 1..].iter().any(sampled_by);
         let next = || {
             let mut later = frame.stages[last_stage + 1..].iter().map(|s| s.uses.iter());
             let of_this = |(r, _): &&(usize, Use)| place_of(*r) == attachment;
@@ -181,7 +180,7 @@ fn pass(
         let mut earlier = earlier_host;
         earlier.extend(frame.stages.iter().any(sampled_by).then_some(Access::SampledRead));
         let before = order_after_outside(first, touches.len() == 1, depth, load, earlier);
-        let later = order_before_outside(depth, store, outside, sampled_later);
+        let later = order_before_outside(depth, store, outside, next_samples);
         if is_rendering {
             rendered.push(Rendered { during, before, after: later.map(|(order, _)| order) });
         } else {

@@ -8,7 +8,8 @@ use glam::{DVec3, Vec3};
 /// The way is that of the view ray, from the surface to what is opaque behind it in the same pixel, and at most as long as
 /// [`Self::thickness_m`]. Of what is behind arrives, in each channel, the factor times the base colour, times what the way leaves
 /// (Beer and Lambert), times what the surface does not reflect (Schlick 1994). Cameras are outside of what fills the space; where
-/// several such surfaces lie over each other, each takes its whole way.
+/// several such surfaces lie over each other, each takes its whole way. Where a frame refracts (the
+/// option `refraction`) it is the way of the ray that the surface bends, as far as the picture shows what that meets, and the nearest surface shows nothing of the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transmission {
     /// The share of light that enters and is not scattered back as diffuse light: 0 to 1.

@@ -163,8 +163,9 @@ impl Case {
         };
         let scene = self.scene();
         let plan = self.plan(&scene);
-        // One pass means what it does; of separate ones all advice is wanted.
-        let expected = if plan.passes.len() == 1 { expected_advice(&plan) } else { Vec::new() };
+        // A plan means what it does; of separate passes all advice is wanted.
+        let separate = plan.strategy == Strategy::Separate;
+        let expected = if separate { Vec::new() } else { expected_advice(&plan) };
         let occupancy = plan.occupancy(plan.passes.len() - 1);
         let bins = Adreno::ALL.map(|adreno| (adreno.id, adreno.bins(&occupancy, SIZE))).into();
         let mut offscreen = Offscreen::new(host.device(), &scene, plan, config, &cache).unwrap();

@@ -212,7 +212,7 @@ impl Family {
         let collects = pipeline.is_of_blended() && subpass.ordered;
         let reads_both = collects
             || matches!(pipeline, Pipeline::Particles(_) | Pipeline::Absorb(_))
-            || matches!(pipeline, Pipeline::Surface(kind) if kind.transmits && plan.needs.fog.is_some());
+            || matches!(pipeline, Pipeline::Surface(kind) if kind.transmits && (plan.needs.fog.is_some() || plan.refracts()));
         let layers = if reads_both { subpass.inputs.len() as u32 } else { 0 };
         let frame = frame.fold(0, |bits, binding| bits | 1 << binding);
         let sampled = subpass.samples.iter().map(|sampled| {

@@ -31,19 +31,19 @@ pub(super) fn order_before_outside(
     depth: bool,
     store: Store,
     outside: Option<(Access, &'static str)>,
-    sampled_later: bool,
+    next_samples: bool,
 ) -> Option<(Order, &'static str)> {
     let before = [Access::store(depth)].into();
     match outside {
         Some((access, why)) => Some(((before, [access].into()), why)),
         None if store == Store::Store => {
-            let mut after: Scope =
-                [Access::InputRead, Access::load(depth, Load::Load), Access::TransferRead].into();
-            let why = match sampled_later {
-                true => "later passes sample what is stored",
-                false => "later passes load what is stored",
+            let (after, why): (Scope, _) = match next_samples {
+                true => ([Access::SampledRead].into(), "later passes sample what is stored"),
+                false => (
+                    [Access::InputRead, Access::load(depth, Load::Load), Access::TransferRead].into(),
+                    "later passes load what is stored",
+                ),
             };
-            after.extend(sampled_later.then_some(Access::SampledRead));
             Some(((before, after), why))
         }
         None => None,

@@ -68,6 +68,7 @@ fn add_refracting(frame: &mut Frame, (first, light): (&str, usize), depth: Optio
         "{first} shows what is behind it where its light comes from, in neighbouring pixels, absorbs it on its way, and adds its own; the \
          nearest of several"
     );
-    frame.add_stage(NAME, drawn(Use::DepthTest).chain(sampled()), why);
+    let read = tested.map(|depth| (depth, Use::Read));
+    frame.add_stage(NAME, drawn(Use::DepthTest).chain(read).chain(sampled()), why);
     Behind { lights: vec![over], depth: tested }
 }
