@@ -74,6 +74,8 @@ pub mod plan;
 #[cfg(feature = "measure")]
 pub mod reference;
 pub mod scene;
+#[cfg(feature = "view")]
+pub mod view;
 pub mod visible;
 
 pub use error::{Error, Result};

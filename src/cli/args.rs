@@ -18,7 +18,7 @@ use ontile::plan::{
 use ontile::scene::{Background, FogHeight, Scene};
 
 /// What is looked at.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Scene")]
 pub struct SceneArgs {
     /// The scene: a glTF 2.0 file, .gltf or .glb
@@ -28,6 +28,19 @@ pub struct SceneArgs {
     /// that frames it]
     #[arg(long, value_name = "N|NAME", allow_negative_numbers = true)]
     pub camera: Option<String>,
+    /// What the file's animations move is where they have it at this time, seconds from their begin; what comes after the last key is as
+    /// there [default: as the file is without animations, and nothing exists for them]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub time: Option<f64>,
+    /// The animation that --time is of, by its number in the file (from 0) or its name; all: all of them at once
+    #[arg(
+        long,
+        value_name = "N|NAME|all",
+        default_value = "0",
+        requires = "time",
+        allow_negative_numbers = true
+    )]
+    pub animation: String,
     /// Light from every direction alike, in cd/m² [default: the scene's own]
     #[arg(long, value_name = "RADIANCE", value_parser = radiance, allow_negative_numbers = true)]
     pub ambient: Option<f32>,
@@ -60,7 +73,7 @@ pub struct SceneArgs {
 }
 
 /// Light from far away.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct FarArgs {
     /// Light from far away: an equirectangular .hdr or .exr picture of radiance in cd/m², at most 8192 columns wide, or what 'ontile bake environment' made
     /// of one [default: the scene's own, else none]
@@ -365,6 +378,11 @@ fn error_limit(text: &str) -> Result<f64, String> {
         Ok(limit) if limit > 0.0 && limit.is_finite() => Ok(limit),
         _ => Err("give a number above 0, as in 0.02".into()),
     }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse::<f64>().map_err(|e| e.to_string())?;
+    if seconds.is_finite() { Ok(seconds) } else { Err("it must be a finite number of seconds".into()) }
 }
 
 /// Stops.

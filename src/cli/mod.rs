@@ -15,6 +15,8 @@ mod progress;
 mod render;
 mod scene;
 mod stability;
+#[cfg(feature = "view")]
+mod view;
 
 use std::process::ExitCode;
 
@@ -42,6 +44,8 @@ enum Command {
     Model(model::ModelArgs),
     Bake(bake::BakeArgs),
     Stability(stability::StabilityArgs),
+    #[cfg(feature = "view")]
+    View(view::ViewArgs),
 }
 
 /// Runs the program with the process's arguments.
@@ -63,6 +67,8 @@ pub fn main() -> ExitCode {
         Command::Model(args) => model::run(args),
         Command::Bake(args) => bake::run(args),
         Command::Stability(args) => stability::run(args),
+        #[cfg(feature = "view")]
+        Command::View(args) => view::run(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -45,6 +45,15 @@ pub fn warning(text: &str) {
     let _ = writeln!(io::stderr(), "ontile: warning: {}", printable(text));
 }
 
+/// What the user is told while a window is open, as many lines as it has.
+#[cfg(feature = "view")]
+pub fn note(text: &str) {
+    for line in text.lines() {
+        // Nobody is left to tell if standard error is closed.
+        let _ = writeln!(io::stderr(), "ontile: {}", printable(line));
+    }
+}
+
 /// One line of bounded length that cannot command the terminal, whatever names a file has in it.
 fn printable(text: &str) -> String {
     const MAX_CHARS: usize = 1000;

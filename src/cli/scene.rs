@@ -3,7 +3,7 @@
 use ontile::environment::{Cache, DEFAULT_FACE_SIZE, TexelFormat};
 use ontile::glam::Vec3;
 use ontile::plan::{GBuffer, Path};
-use ontile::scene::{Background, Camera, Environment, Fog, Scene};
+use ontile::scene::{Background, Camera, Environment, Fog, Play, Scene};
 use ontile::{Error, Result};
 
 use super::args::{FarArgs, PlanArgs, SceneArgs};
@@ -13,7 +13,10 @@ use super::progress::Progress;
 /// Loads the scene, applies what the arguments change, and tells the loader's warnings.
 pub fn load(args: &SceneArgs) -> Result<Scene> {
     let progress = Progress::of(format!("loading {}", args.scene.display()));
-    let mut scene = Scene::load(&args.scene)?;
+    let mut scene = match args.time {
+        None => Scene::load(&args.scene)?,
+        Some(time_s) => at(Scene::load_moving(&args.scene)?, time_s, &args.animation)?,
+    };
     drop(progress);
     if let Some(ambient) = args.ambient {
         scene.ambient_nt = ontile::glam::Vec3::splat(ambient);
@@ -31,6 +34,23 @@ pub fn load(args: &SceneArgs) -> Result<Scene> {
     for warning in &scene.warnings {
         print::warning(warning);
     }
+    Ok(scene)
+}
+
+/// The scene at a time of one of its animations, or of all.
+fn at(mut scene: Scene, time_s: f64, animation: &str) -> Result<Scene> {
+    let Some(motion) = &scene.motion else {
+        let problem = format!("nothing of scene '{}' is animated, so that it has no --time", scene.name);
+        return Err(Error::unsupported(
+            problem,
+            "leave out --time, or use a file whose animations move what is drawn",
+        ));
+    };
+    let chosen = match animation {
+        "all" => 0..motion.animations.len(),
+        one => motion.animation(one).map(|one| one..one + 1)?,
+    };
+    scene.animate(&chosen.map(|animation| Play { animation, time_s }).collect::<Vec<_>>())?;
     Ok(scene)
 }
 

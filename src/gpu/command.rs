@@ -154,6 +154,11 @@ impl Commands {
     /// # Errors
     /// [`Error::Unsupported`] if nothing was recorded since; [`Error::Vulkan`].
     pub fn submit(&mut self) -> Result<()> {
+        self.submit_as(vk::SubmitInfo::default())
+    }
+
+    /// As [`Self::submit`], with the semaphores of `info`.
+    pub(super) fn submit_as(&mut self, info: vk::SubmitInfo<'_>) -> Result<()> {
         if self.state != State::Recorded {
             return Err(Error::unsupported(
                 "there are no commands to submit",
@@ -162,7 +167,7 @@ impl Commands {
         }
         let device = self.pool.device();
         let buffers = [self.raw];
-        let submits = [vk::SubmitInfo::default().command_buffers(&buffers)];
+        let submits = [info.command_buffers(&buffers)];
         let queue = device.queue();
         // SAFETY: the fence is unsignalled and not in use (`record` waited), and the queue is locked.
         unsafe { device.raw().queue_submit(*queue, &submits, self.fence.raw()) }.called("vkQueueSubmit")?;

@@ -163,6 +163,7 @@ impl Geometry {
         let indices = buffer("indices", plan.index_bytes, vk::BufferUsageFlags::INDEX_BUFFER)?;
         for ((mesh, range), _) in meshes.iter().zip(&plan.meshes).zip(streams).filter(|(_, s)| s.is_some()) {
             let group = &plan.groups[range.group];
+            let mesh = &*mesh.posed();
             if let Some(vertices) = &vertices {
                 for ((kind, format), start) in group.streams.list().into_iter().zip(&group.offsets_bytes) {
                     let stride = u64::from(super::texel_bytes(format)?);

@@ -37,13 +37,22 @@ impl Headless {
     /// [`Error::Unsupported`] without a loader, a driver, a device that matches, or (if asked for) the
     /// validation layer; [`Error::Vulkan`] if a call fails.
     pub fn new(options: &HeadlessOptions) -> Result<Self> {
-        let instance = OwnedInstance::new(&options.application_name, options.validate)?;
-        let messages = (*instance.messages).clone();
+        let instance = OwnedInstance::new(&options.application_name, options.validate, &[])?;
         let candidates = instance.candidates()?;
-        let chosen = choose(&candidates, options.device_name_part.as_deref())?;
+        Self::of(instance, &candidates, options, &[])
+    }
+
+    /// Makes the device that the options ask for, with some extensions that it has.
+    pub(super) fn of(
+        instance: OwnedInstance,
+        candidates: &[Candidate],
+        options: &HeadlessOptions,
+        extensions: &[&'static CStr],
+    ) -> Result<Self> {
+        let messages = (*instance.messages).clone();
+        let chosen = choose(candidates, options.device_name_part.as_deref())?;
         log::info!("using {} ({})", chosen.caps.name, chosen.caps.driver);
-        let device = open(instance, chosen)?;
-        Ok(Self { device, messages })
+        Ok(Self { device: open(instance, chosen, extensions)?, messages })
     }
 
     /// The device.
@@ -72,8 +81,8 @@ impl Headless {
 
 /// A physical device that could be used.
 pub(super) struct Candidate {
-    physical_device: vk::PhysicalDevice,
-    queue_family: u32,
+    pub(super) physical_device: vk::PhysicalDevice,
+    pub(super) queue_family: u32,
     pub(super) caps: Caps,
 }
 
@@ -89,7 +98,12 @@ pub(super) struct OwnedInstance {
 }
 
 impl OwnedInstance {
-    pub(super) fn new(application_name: &str, validate: bool) -> Result<Self> {
+    /// With further extensions, which the loader offers.
+    pub(super) fn new(
+        application_name: &str,
+        validate: bool,
+        further: &[*const std::ffi::c_char],
+    ) -> Result<Self> {
         // SAFETY: the loader runs its initialisers; it is the system's Vulkan library.
         let entry = unsafe { ash::Entry::load() }.map_err(|e| {
             Error::unsupported(format!("the Vulkan loader cannot be loaded ({e})"), DRIVER_REMEDY)
@@ -105,7 +119,7 @@ impl OwnedInstance {
         let layer_extensions = if validate { layer_extensions(&entry)? } else { Vec::new() };
         let layer_has = |name: &CStr| layer_extensions.iter().any(|e| e == name);
 
-        let mut extensions = Vec::new();
+        let mut extensions = further.to_vec();
         if debug_utils {
             extensions.push(ext::debug_utils::NAME.as_ptr());
         }
@@ -177,6 +191,12 @@ impl OwnedInstance {
         Ok(instance)
     }
 
+    /// The function table, and what it was loaded from.
+    #[cfg(feature = "view")]
+    pub(super) fn functions(&self) -> (&ash::Entry, &ash::Instance) {
+        (&self.entry, &self.raw)
+    }
+
     /// Devices of Vulkan 1.1 or later with a graphics queue, best first.
     pub(super) fn candidates(&self) -> Result<Vec<Candidate>> {
         // SAFETY: the instance is alive.
@@ -225,7 +245,7 @@ impl Drop for OwnedDevice {
     }
 }
 
-fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
+fn open(instance: OwnedInstance, candidate: &Candidate, further: &[&'static CStr]) -> Result<Device> {
     let &Candidate { physical_device, queue_family, ref caps } = candidate;
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&[1.0])];
@@ -259,7 +279,8 @@ fn open(instance: OwnedInstance, candidate: &Candidate) -> Result<Device> {
     let rendering = rendering.iter().filter(|_| has_local_read);
     let feedback = [ext::subpass_merge_feedback::NAME, khr::create_renderpass2::NAME];
     let feedback = feedback.iter().filter(|_| caps.subpass_merge_feedback);
-    let mut extensions: Vec<_> = order.iter().chain(rendering).chain(feedback).copied().collect();
+    let mut extensions: Vec<_> =
+        order.iter().chain(rendering).chain(feedback).chain(further).copied().collect();
     extensions.sort();
     extensions.dedup();
     let extensions: Vec<_> = extensions.into_iter().map(|name| name.as_ptr()).collect();

@@ -10,7 +10,7 @@ use std::fmt;
 /// # Errors
 /// [`crate::Error::Unsupported`] without a Vulkan loader, [`crate::Error::Vulkan`] without a driver.
 pub fn devices() -> Result<Vec<Caps>> {
-    let instance = OwnedInstance::new("ontile", false)?;
+    let instance = OwnedInstance::new("ontile", false, &[])?;
     Ok(instance.candidates()?.into_iter().map(|c| c.caps).collect())
 }
 

@@ -48,6 +48,8 @@ mod particles;
 mod pass;
 mod pipeline;
 mod post;
+#[cfg(feature = "view")]
+mod presenter;
 mod query;
 mod quirks;
 mod readback;
@@ -60,12 +62,16 @@ pub mod shader;
 mod shadow;
 #[doc(hidden)]
 pub mod shared;
+#[cfg(feature = "view")]
+mod swapchain;
 mod target;
 mod texture;
 mod upload;
 mod validation;
 mod view;
 mod volume_casters;
+#[cfg(feature = "view")]
+mod window;
 
 pub use ash;
 pub use gpu_allocator;
@@ -95,6 +101,12 @@ pub use texture::{ColorEncoding, SamplerCache, TextureKey, Textures};
 pub use upload::Upload;
 pub use validation::expected_advice;
 pub use view::View;
+#[cfg(feature = "view")]
+pub use {
+    presenter::{Presented, Presenter},
+    swapchain::{PresentMode, Swapchain},
+    window::{Surface, WindowHandles, WindowHost},
+};
 
 use crate::{Error, Result};
 use ash::vk;

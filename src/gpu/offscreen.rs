@@ -88,17 +88,7 @@ impl Offscreen {
 
     /// The last frame: 8 bits sRGB or linear floats, as the plan's output format is.
     pub fn picture(&self) -> Picture {
-        let [width, height] = self.readback.size();
-        let format = self.renderer.plan().attachments[0].format;
-        let texels = self.readback.texels();
-        let pixels = match format {
-            Format::Rgba8Srgb => Pixels::Rgba8(texels.to_vec()),
-            Format::Bgra8Srgb => {
-                Pixels::Rgba8(texels.chunks_exact(4).flat_map(|t| [t[2], t[1], t[0], t[3]]).collect())
-            }
-            _ => Pixels::Rgba32F(decode(format, texels)),
-        };
-        Picture { width, height, pixels }
+        picture(&self.readback, self.renderer.plan().attachments[0].format)
     }
 
     /// What an attachment held when the last frame ended, four numbers a pixel (absent channels 0): colours linear, words as they
@@ -214,6 +204,20 @@ impl Offscreen {
         });
         report
     }
+}
+
+/// What was read back of a final image.
+pub(super) fn picture(readback: &Readback, format: Format) -> Picture {
+    let [width, height] = readback.size();
+    let texels = readback.texels();
+    let pixels = match format {
+        Format::Rgba8Srgb => Pixels::Rgba8(texels.to_vec()),
+        Format::Bgra8Srgb => {
+            Pixels::Rgba8(texels.chunks_exact(4).flat_map(|t| [t[2], t[1], t[0], t[3]]).collect())
+        }
+        _ => Pixels::Rgba32F(decode(format, texels)),
+    };
+    Picture { width, height, pixels }
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {

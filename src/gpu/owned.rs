@@ -105,6 +105,7 @@ objects! {
     QueryPool: create_query_pool(QueryPoolCreateInfo) "vkCreateQueryPool", destroy_query_pool;
     CommandPool: create_command_pool(CommandPoolCreateInfo) "vkCreateCommandPool", destroy_command_pool;
     Fence: create_fence(FenceCreateInfo) "vkCreateFence", destroy_fence;
+    Semaphore: create_semaphore(SemaphoreCreateInfo) "vkCreateSemaphore", destroy_semaphore;
 }
 
 impl Object for vk::Pipeline {
@@ -127,11 +128,11 @@ impl Counters {
         self.objects.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn add(&self, ty: vk::ObjectType, name: &str) {
+    pub(super) fn add(&self, ty: vk::ObjectType, name: &str) {
         *self.objects().entry(ty).or_default().entry(name.to_owned()).or_default() += 1;
     }
 
-    fn remove(&self, ty: vk::ObjectType, name: &str) {
+    pub(super) fn remove(&self, ty: vk::ObjectType, name: &str) {
         let mut objects = self.objects();
         let of_type = objects.entry(ty).or_default();
         of_type.entry(name.to_owned()).and_modify(|count| *count -= 1);

@@ -61,15 +61,28 @@ impl Readback {
                 "make the readback for this format and size, and the image with the usage TRANSFER_SRC",
             ));
         }
-        let _label = recorder.label("readback");
-        let (device, raw) = (recorder.device().raw(), recorder.raw());
-        let source_layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
         let range = vk::ImageSubresourceRange {
             base_mip_level: level,
             level_count: 1,
             layer_count: 1,
             ..image.range()
         };
+        self.record_raw(recorder, image.raw(), range, (from, to));
+        Ok(())
+    }
+
+    /// As [`Self::record`], of one level of an image with the usage TRANSFER_SRC that is of this format and size.
+    pub(super) fn record_raw(
+        &self,
+        recorder: &Recorder<'_>,
+        image: vk::Image,
+        range: vk::ImageSubresourceRange,
+        (from, to): (vk::ImageLayout, vk::ImageLayout),
+    ) {
+        let size = self.size;
+        let _label = recorder.label("readback");
+        let (device, raw) = (recorder.device().raw(), recorder.raw());
+        let source_layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
         let barrier = |from, to, src, dst| {
             vk::ImageMemoryBarrier::default()
                 .src_access_mask(src)
@@ -78,7 +91,7 @@ impl Readback {
                 .new_layout(to)
                 .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
                 .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                .image(image.raw())
+                .image(image)
                 .subresource_range(range)
         };
         let before = barrier(from, source_layout, access_in(from), vk::AccessFlags::TRANSFER_READ);
@@ -94,7 +107,7 @@ impl Readback {
                     all if all.contains(vk::ImageAspectFlags::DEPTH) => vk::ImageAspectFlags::DEPTH,
                     all => all,
                 },
-                mip_level: level,
+                mip_level: range.base_mip_level,
                 base_array_layer: 0,
                 layer_count: 1,
             },
@@ -106,11 +119,10 @@ impl Readback {
         // SAFETY: recording, outside of a render pass; the region lies in the image, the buffer was made for it.
         unsafe {
             device.cmd_pipeline_barrier(raw, WRITERS, copy, none, &[], &[], &[before]);
-            device.cmd_copy_image_to_buffer(raw, image.raw(), source_layout, self.buffer.raw(), &[region]);
+            device.cmd_copy_image_to_buffer(raw, image, source_layout, self.buffer.raw(), &[region]);
             let later = vk::PipelineStageFlags::HOST | WRITERS;
             device.cmd_pipeline_barrier(raw, copy, later, none, &[to_host], &[], after);
         }
-        Ok(())
     }
 
     /// The texels, once the copy has been executed and waited for: `height` rows of `width` texels.

@@ -173,7 +173,7 @@ fn list(scene: &Scene) -> Listed {
     let mut casters_of = vec![[None; 2]; scene.instances.len()];
     for (mesh, turned, index) in order {
         if batches.last().is_none_or(|last| last.mesh != mesh) {
-            places[mesh] = place(&scene.meshes[mesh], &mut words);
+            places[mesh] = place(&scene.meshes[mesh].posed(), &mut words);
         }
         let first = casters.len();
         let bounds_object = scene.meshes[mesh].bounds().expect("what has triangles has vertices");

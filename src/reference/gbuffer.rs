@@ -1,6 +1,6 @@
 //! What a surface is like where a ray meets it: the counterpart of the geometry stage.
 
-use glam::{DVec3, DVec4, Vec4};
+use glam::{DVec3, DVec4};
 
 use super::around::Around;
 use super::media::remaining;
@@ -67,9 +67,13 @@ pub(super) fn interpolate<'a>(visibility: &Visibility<'a>, hit: &Hit) -> Interpo
 pub(super) fn corner_normals(visibility: &Visibility, triangle: u32) -> Option<[DVec3; 3]> {
     let triangle = &visibility.triangles[triangle as usize];
     let placement = &visibility.placements[triangle.instance as usize];
-    let mesh = &visibility.scene.meshes[visibility.scene.instances[triangle.instance as usize].mesh];
+    let index = visibility.scene.instances[triangle.instance as usize].mesh;
+    let mesh = &visibility.scene.meshes[index];
     let normal = |vertex: u32| {
-        let normal = mesh.normals[vertex as usize].as_dvec3();
+        let normal = match &visibility.posed[index] {
+            Some(posed) => posed.normals[vertex as usize],
+            None => mesh.normals[vertex as usize].as_dvec3(),
+        };
         (placement.normal_world_from_object * normal).normalize_or_zero()
     };
     (!mesh.normals.is_empty()).then(|| triangle.vertices.map(normal))
@@ -153,14 +157,22 @@ fn normal_world(visibility: &Visibility, hit: &Hit, surface: &Interpolated) -> D
 
     let triangle = &visibility.triangles[hit.triangle as usize];
     let placement = &visibility.placements[triangle.instance as usize];
-    let tangent_object = |k: usize| -> Vec4 { surface.mesh.tangents[triangle.vertices[k] as usize] };
+    let posed = &visibility.posed[visibility.scene.instances[triangle.instance as usize].mesh];
+    let tangent_object = |k: usize| -> (DVec3, f64) {
+        let vertex = triangle.vertices[k] as usize;
+        let own = || {
+            let tangent = surface.mesh.tangents[vertex];
+            (tangent.truncate().as_dvec3(), f64::from(tangent.w))
+        };
+        posed.as_ref().map_or_else(own, |posed| posed.tangents[vertex])
+    };
     let tangent = weighted(hit, |k| {
-        let tangent = tangent_object(k).truncate().as_dvec3();
+        let (tangent, _) = tangent_object(k);
         placement.world_from_object.transform_vector3(tangent).normalize_or_zero()
     });
     // A mirroring transform turns cross(n, t) round, but not the surface's own bitangent.
     let mirror = if placement.mirrored { -1.0 } else { 1.0 };
-    let bitangent = normal.cross(tangent) * (f64::from(tangent_object(0).w) * mirror);
+    let bitangent = normal.cross(tangent) * (tangent_object(0).1 * mirror);
     (tangent * mapped.x + bitangent * mapped.y + normal * mapped.z).normalize_or_zero() * facing
 }
 

@@ -5,13 +5,15 @@ use glam::{DMat3, DMat4, DVec3};
 use super::bvh::{Bounds, Bvh};
 use super::gbuffer;
 use super::view::Ray;
-use crate::scene::{AlphaMode, Instance, Material, Scene};
+use crate::scene::{AlphaMode, Instance, Material, Posed, Scene};
 
 /// A scene's triangles in world space, ready for rays.
 pub struct Visibility<'a> {
     pub(super) scene: &'a Scene,
     pub(super) placements: Vec<Placement>,
     pub(super) triangles: Vec<Triangle>,
+    /// By mesh, of those that are drawn and bend.
+    pub(super) posed: Vec<Option<Posed>>,
     bvh: Bvh,
 }
 
@@ -78,6 +80,11 @@ impl<'a> Visibility<'a> {
     fn with(scene: &'a Scene, wanted: impl Fn(&Instance) -> bool) -> Self {
         let placements: Vec<_> =
             scene.instances.iter().map(|i| Placement::new(i.world_from_object.as_dmat4())).collect();
+        let mut posed = vec![None; scene.meshes.len()];
+        for instance in scene.instances.iter().filter(|i| scene.is_drawn(i) && wanted(i)) {
+            let place: &mut Option<Posed> = &mut posed[instance.mesh];
+            *place = place.take().or_else(|| scene.meshes[instance.mesh].posed_vertices());
+        }
         let mut triangles = Vec::with_capacity(scene.triangle_count());
         let all = scene.instances.iter().zip(&placements).enumerate();
         for (index, (instance, placement)) in all.filter(|(_, (i, _))| scene.is_drawn(i) && wanted(i)) {
@@ -93,7 +100,11 @@ impl<'a> Visibility<'a> {
                     instance: index as u32,
                     vertices,
                     corners_world: vertices.map(|v| {
-                        placement.world_from_object.transform_point3(mesh.positions[v as usize].as_dvec3())
+                        let position = match &posed[instance.mesh] {
+                            Some(posed) => posed.positions[v as usize],
+                            None => mesh.positions[v as usize].as_dvec3(),
+                        };
+                        placement.world_from_object.transform_point3(position)
                     }),
                     mirrored: placement.mirrored,
                     double_sided: material.double_sided,
@@ -102,7 +113,7 @@ impl<'a> Visibility<'a> {
             }));
         }
         let bounds: Vec<_> = triangles.iter().map(|t| Bounds::of(&t.corners_world)).collect();
-        Self { scene, placements, triangles, bvh: Bvh::build(&bounds) }
+        Self { scene, placements, triangles, posed, bvh: Bvh::build(&bounds) }
     }
 
     /// The nearest triangle that the ray meets between its near and far planes: back faces of single-sided

@@ -1,6 +1,6 @@
 //! View points and projections.
 
-use glam::Mat4;
+use glam::{DMat3, DMat4, Mat4};
 
 /// A view point.
 #[derive(Clone, Debug)]
@@ -104,6 +104,15 @@ impl Projection {
             Self::Orthographic { znear_m: n, zfar_m: far, .. } => [far, n - far, 1.0, 0.0],
         }
     }
+}
+
+/// The transform without scale, shear and mirroring; -Z and the plane of Y stay.
+pub(super) fn rigid(world_from_node: &DMat4) -> Option<Mat4> {
+    let axes = DMat3::from_mat4(*world_from_node);
+    let back = axes.z_axis.try_normalize()?;
+    let right = axes.y_axis.try_normalize()?.cross(back).try_normalize()?;
+    let rotation = DMat3::from_cols(right, back.cross(right), back);
+    Some((DMat4::from_translation(world_from_node.w_axis.truncate()) * DMat4::from_mat3(rotation)).as_mat4())
 }
 
 #[cfg(test)]

@@ -37,7 +37,11 @@ impl Scene {
             .or_else(|| first(has, &self.lights, |_| None))
             .or_else(|| first(has, &self.decals, Checked::problem))
             .or_else(|| first(has, &self.particles, Checked::problem))
-            .or_else(|| first(has, &self.cameras, Checked::problem));
+            .or_else(|| first(has, &self.cameras, Checked::problem))
+            .or_else(|| {
+                let problem = self.motion.as_ref()?.problem(self)?;
+                Some(("motion".to_owned(), problem))
+            });
         match problem {
             Some((element, problem)) => Err(self.refused(&element, &problem)),
             None => self.check_surroundings(),

@@ -2,7 +2,8 @@
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
-use super::LightmapRect;
+use super::deformation::PosedBounds;
+use super::{Deformation, LightmapRect};
 
 /// Indexed triangles in object space with one material.
 ///
@@ -26,6 +27,8 @@ pub struct Mesh {
     pub indices: Vec<u32>,
     /// Index into `Scene::materials`.
     pub material: usize,
+    /// What bends it; `None`: nothing does.
+    pub deformation: Option<Deformation>,
 }
 
 impl Mesh {
@@ -41,12 +44,16 @@ impl Mesh {
         } else if !self.indices.len().is_multiple_of(3) {
             Some(format!("{} indices, which is not three a triangle", self.indices.len()))
         } else {
-            None
+            let deformation = self.deformation.as_ref();
+            deformation.and_then(|d| d.problem([vertices, self.normals.len(), self.tangents.len()]))
         }
     }
 
-    /// The bounds in object space; `None` without vertices.
+    /// The bounds in object space; `None` without vertices. Of what bends they hold all of it as it is posed, and may be larger.
     pub fn bounds(&self) -> Option<Aabb> {
+        if let (Some(bounds), Some(deformation)) = (PosedBounds::new(self), &self.deformation) {
+            return Some(bounds.of(&deformation.pose));
+        }
         let (first, rest) = self.positions.split_first()?;
         let start = Aabb { min: *first, max: *first };
         Some(rest.iter().fold(start, |b, p| Aabb { min: b.min.min(*p), max: b.max.max(*p) }))

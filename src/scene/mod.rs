@@ -7,6 +7,7 @@ mod budget;
 mod camera;
 mod check;
 mod decal;
+mod deformation;
 mod environment;
 mod globe_layers;
 mod gltf;
@@ -15,6 +16,7 @@ mod lightmap;
 mod material;
 mod mesh;
 mod mipmaps;
+mod motion;
 mod particles;
 mod probe;
 mod surroundings;
@@ -25,6 +27,8 @@ pub use camera::{Camera, Projection};
 #[cfg(feature = "capi")]
 pub(crate) use check::Checked;
 pub use decal::{Decal, DecalChannels};
+pub(crate) use deformation::Posed;
+pub use deformation::{Deformation, Influence, MorphTarget, Pose};
 pub use environment::Environment;
 pub use globe_layers::GlobeLayers;
 #[cfg(feature = "measure")]
@@ -34,6 +38,9 @@ pub use lightmap::{Lightmap, LightmapRect};
 pub use material::{AlphaMode, Image, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Aabb, Instance, Mesh};
 pub use mipmaps::{MipLevel, mip_level_count, mipmaps};
+pub use motion::{
+    Animation, Channel, Follower, Follows, Interpolation, Motion, Node, NodeTransform, Play, Property, Skin,
+};
 pub use particles::{Particle, Particles};
 pub use probe::Probe;
 pub use surroundings::{Background, Fog, FogHeight};
@@ -85,6 +92,8 @@ pub struct Scene {
     pub particles: Vec<Particles>,
     /// View points. [`Scene::load`] always gives at least one.
     pub cameras: Vec<Camera>,
+    /// What moves of all this, and how; `None`: nothing does by itself.
+    pub motion: Option<Motion>,
     /// What the loader had to leave out or change, one sentence each.
     pub warnings: Vec<String>,
 }

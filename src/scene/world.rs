@@ -9,7 +9,8 @@ use std::marker::PhantomData;
 
 use glam::{Mat4, Vec3};
 
-use super::{Background, Environment, Fog, Instance, Probe, Scene};
+use super::motion::Posture;
+use super::{Background, Environment, Fog, Instance, Mesh, Play, Pose, Probe, Scene};
 use crate::{Error, Result};
 pub use changes::Changes;
 pub use element::Element;
@@ -121,13 +122,14 @@ pub struct World {
     scene: Scene,
     places: [Places; Kind::COUNT],
     changes: Changes,
+    posture: Posture,
 }
 
 impl From<Scene> for World {
     /// All elements have names then: [`World::ids`].
     fn from(scene: Scene) -> Self {
         let places = lengths(&scene).map(Places::taken);
-        Self { scene, places, changes: Changes::default() }
+        Self { scene, places, changes: Changes::default(), posture: Posture::default() }
     }
 }
 
@@ -211,7 +213,38 @@ impl World {
         self.set(id, Instance { world_from_object, ..instance })
     }
 
-    /// Takes an element out.
+    /// Poses a mesh that has a [`Deformation`](super::Deformation).
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if it has none, the pose is of others, or the mesh was removed. Nothing is changed then.
+    pub fn pose(&mut self, id: Id<Mesh>, pose: Pose) -> Result<()> {
+        let refused = |problem: String| {
+            let list = Kind::Mesh.list();
+            Error::unsupported(
+                format!("{list}[{}] cannot be posed: {problem}", id.index()),
+                "give each of its joints an affine matrix, and each morph target a weight",
+            )
+        };
+        let Some(deformation) = &self.find(id)?.deformation else {
+            return Err(refused("nothing bends it".into()));
+        };
+        if let Some(problem) = deformation.pose_problem(&pose) {
+            return Err(refused(problem));
+        }
+        self.scene.meshes[id.index()].deformation.iter_mut().for_each(|d| d.pose.clone_from(&pose));
+        self.changes.bend(id.index());
+        Ok(())
+    }
+
+    /// As [`Scene::animate`]; once it has been called, it allocates no more for later times.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn animate(&mut self, playing: &[Play]) -> Result<()> {
+        self.scene.animate_with(playing, &mut self.posture, &mut self.changes)
+    }
+
+    /// Takes an element out. No animation moves what takes its place.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if it was removed before, or another element refers to it. Nothing is changed then.
@@ -224,6 +257,7 @@ impl World {
                 format!("remove what uses it first, or let {list}[{user}] use another"),
             ));
         }
+        self.scene.motion.iter_mut().for_each(|motion| motion.leave(T::KIND, id.index()));
         let places = &mut self.places[T::KIND as usize];
         places.generations[id.index()] = places.generations[id.index()].wrapping_add(1);
         places.free.push(id.index);

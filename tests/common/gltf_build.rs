@@ -186,6 +186,12 @@ impl Gltf {
     pub fn load(&self) -> ontile::Result<Scene> {
         load_bytes("scene.gltf", &self.to_gltf())
     }
+
+    /// The same with what animations move.
+    pub fn load_moving(&self) -> ontile::Result<Scene> {
+        let folder = tempfile::tempdir().expect("temporary files can be made");
+        Scene::load_moving(&write(folder.path(), "scene.gltf", &self.to_gltf()))
+    }
 }
 
 pub fn write(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {

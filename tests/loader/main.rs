@@ -9,6 +9,7 @@ mod gltf_build;
 mod lights;
 mod materials;
 mod meshes;
+mod motion;
 mod nodes;
 mod particles;
 mod samples;

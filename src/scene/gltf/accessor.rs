@@ -27,6 +27,8 @@ enum Components {
     /// With KHR_mesh_quantization also bytes and shorts of any kind.
     FloatOrQuantized,
     FloatOrNormalized,
+    /// With signs too.
+    FloatOrNormalizedAny,
     /// Both of the above.
     FloatNormalizedOrQuantized,
     Unsigned8Or16,
@@ -61,6 +63,18 @@ impl Format {
         components: Components::Unsigned8Or16,
         text: "a VEC4 of unsigned bytes or shorts",
     };
+    pub const PLACES: Self =
+        Self { types: &[Type::Vec3], components: Components::Float, text: "a float VEC3" };
+    pub const ROTATIONS: Self = Self {
+        types: &[Type::Vec4],
+        components: Components::FloatOrNormalizedAny,
+        text: "a VEC4 of floats or normalised bytes or shorts",
+    };
+    pub const SHARES: Self = Self {
+        types: &[Type::Scalar],
+        components: Components::FloatOrNormalizedAny,
+        text: "a SCALAR of floats or normalised bytes or shorts",
+    };
     #[cfg(feature = "measure")]
     pub const ANY: Self = Self {
         types: &[Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4, Type::Mat2, Type::Mat3, Type::Mat4],
@@ -85,6 +99,9 @@ impl Format {
                 Components::Float => component == C::F32,
                 Components::FloatOrQuantized => component == C::F32 || small,
                 Components::FloatOrNormalized => float_or_normalized,
+                Components::FloatOrNormalizedAny => {
+                    float_or_normalized || normalized && matches!(component, C::I8 | C::I16)
+                }
                 Components::FloatNormalizedOrQuantized => float_or_normalized || small,
                 Components::Unsigned8Or16 => !normalized && matches!(component, C::U8 | C::U16),
                 Components::Unsigned => !normalized && matches!(component, C::U8 | C::U16 | C::U32),

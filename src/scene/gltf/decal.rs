@@ -22,22 +22,20 @@ use crate::Result;
 use crate::scene::decal::has_volume;
 use crate::scene::{Decal, DecalChannels};
 
+const FIELDS: [&str; 6] = ["material", "size", "channels", "angle", "falloff", "priority"];
+
 /// The decals of the drawn nodes.
 pub fn read_decals(doc: &Document, tree: &NodeTree, materials: &mut Materials) -> Result<Vec<Decal>> {
     let mut decals = Vec::new();
     for &i in &tree.drawn {
         let extras = node::extras(doc, i)?;
         let Some(extra) = extras.get("decal") else { continue };
-        let values = extra.object(&["material", "size", "channels", "angle", "falloff", "priority"])?;
+        let values = extra.object(&FIELDS)?;
         let Some(material) = values.get("material") else {
             return Err(extra.bad("has no material", "name one of the file's materials by its index"));
         };
-        let size = match values.get("size") {
-            Some(size) => size.numbers::<3>(" above 0", |v| v > 0.0)?,
-            None => [1.0; 3],
-        };
-        let size = Vec3::from_array(size).as_dvec3();
-        let world_from_decal = tree.world_from_node[i] * DMat4::from_scale(size);
+        let size = size_in(&values)?;
+        let world_from_decal = tree.world_from_node[i] * DMat4::from_scale(size.as_dvec3());
         if !has_volume(&world_from_decal) {
             let problem = "has a decal, but its box has no volume";
             return Err(doc.bad(format!("nodes[{i}]"), problem, "give the node a scale other than 0"));
@@ -57,6 +55,18 @@ pub fn read_decals(doc: &Document, tree: &NodeTree, materials: &mut Materials) -
         });
     }
     Ok(decals)
+}
+
+/// The box of a node that has a decal.
+pub fn size(doc: &Document, node: usize) -> Result<Option<Vec3>> {
+    let extras = node::extras(doc, node)?;
+    let values = extras.get("decal").map(|extra| extra.object(&FIELDS)).transpose()?;
+    values.map(|values| size_in(&values)).transpose()
+}
+
+fn size_in(values: &Extras) -> Result<Vec3> {
+    let size = values.get("size").map(|size| size.numbers::<3>(" above 0", |v| v > 0.0)).transpose()?;
+    Ok(size.map_or(Vec3::ONE, Vec3::from_array))
 }
 
 fn channels(values: &Extras) -> Result<DecalChannels> {

@@ -213,7 +213,7 @@ impl Edit {
     /// # Errors
     /// As [`Scene::load`].
     pub fn scene(&self) -> Result<Scene> {
-        load(&self.document()?)
+        load(&self.document()?, false)
     }
 
     /// The nodes that have the scene's lights, in their order; none if the file has no lights.

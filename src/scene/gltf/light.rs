@@ -29,7 +29,6 @@ use crate::scene::{GlobeMap, GlobePicture, Light, LightKind, Shadow};
 const LIST: &str = "extensions.KHR_lights_punctual.lights";
 
 /// The drawn nodes that have a light, in the order of [`read_lights`].
-#[cfg(feature = "measure")]
 pub fn nodes<'a>(doc: &'a Document, tree: &'a NodeTree) -> impl Iterator<Item = usize> + 'a {
     let has_light =
         |i: &&usize| doc.root.nodes[**i].extensions.as_ref().is_some_and(|e| e.khr_lights_punctual.is_some());

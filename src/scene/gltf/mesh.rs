@@ -7,16 +7,10 @@ use gltf::json::validation::Checked;
 
 use super::accessor::{Format, Reader};
 use super::document::{Document, MAX_INDICES, MAX_VERTICES};
-use super::pose::{self, Skin};
+use super::pose::{self, Bend};
 use super::tangent;
 use crate::Result;
 use crate::scene::{Material, Mesh};
-
-/// How a mesh is deformed.
-pub struct Pose<'a> {
-    pub weights: Option<&'a [f32]>,
-    pub skin: Option<&'a Skin>,
-}
 
 /// What has been read so far, against what a scene may hold.
 #[derive(Default)]
@@ -78,18 +72,17 @@ impl Primitive<'_> {
         doc: &Document,
         indices: Vec<u32>,
         material: &Material,
-        pose: &Pose,
+        bend: &Bend,
         budget: &mut Budget,
         warnings: &mut Vec<String>,
     ) -> Result<Mesh> {
         let element = &self.element;
         let mut mesh = self.attributes(doc, material)?;
         mesh.indices = indices;
-        if let Some(weights) = pose.weights {
-            pose::apply_morph(doc, &mut mesh, self.json, element, weights)?;
-        }
-        if let Some(skin) = pose.skin {
-            skin.apply(doc, &mut mesh, self.json, element)?;
+        mesh.deformation = bend.read(doc, &mesh, self.json, element)?;
+        pose::turn_mirrored(&mut mesh);
+        if !bend.moves {
+            mesh = mesh.posed().into_owned();
         }
         if !mesh.positions.iter().all(|p| p.is_finite()) {
             let problem = "the posed positions exceed what f32 can hold";
@@ -113,6 +106,11 @@ impl Primitive<'_> {
         }
         let element = &self.element;
         if mesh.normals.is_empty() {
+            if mesh.deformation.is_some() {
+                warnings.push(format!(
+                    "{element}: it has no normals; those of its bind pose's triangles are bent with it"
+                ));
+            }
             budget.take(doc, element, mesh.indices.len(), 0)?;
             tangent::make_flat_normals(mesh);
         } else {

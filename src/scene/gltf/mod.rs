@@ -17,6 +17,7 @@ mod image;
 mod light;
 mod material;
 mod mesh;
+mod motion;
 mod node;
 mod particles;
 mod pose;
@@ -27,16 +28,17 @@ use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use glam::{DMat3, Mat4};
+use glam::{DMat3, Mat4, Vec3};
 
-use super::{Aabb, Instance, LightmapRect, Mesh, Scene};
+use super::{Aabb, Follows, Instance, LightmapRect, Mesh, Scene};
 use crate::Result;
 use around::NodeLightmap;
 use document::{Document, MAX_INSTANCES};
 use material::Materials;
-use mesh::{Budget, Pose, Primitive};
+use mesh::{Budget, Primitive};
+use motion::{Followers, Moving};
 use node::NodeTree;
-use pose::Skin;
+use pose::{Bend, Skin};
 
 /// World coordinates beyond this (metres) would overflow f32 where lengths are squared.
 const MAX_COORDINATE_M: f32 = 1e15;
@@ -67,7 +69,25 @@ impl Scene {
     /// [`crate::Error::Io`] if `path` cannot be read. [`crate::Error::Input`] for anything in it that breaks
     /// the rules of glTF 2.0, needs an unsupported extension, or refers to data that is missing or broken.
     pub fn load(path: &Path) -> Result<Self> {
-        let mut scene = load(&Document::read(path)?)?;
+        Self::read(path, false)
+    }
+
+    /// As [`Self::load`], but for what the file's animations move: [`Scene::motion`] knows how, and [`Scene::animate`] moves it. Instances
+    /// and lights that move are dynamic; meshes that bend have a [`Deformation`](super::Deformation), and one of their own for each node.
+    /// A mesh without normals gets those of the triangles of its bind pose. What no animation moves, and a file without animations, is as
+    /// there.
+    ///
+    /// Weights of joints count by their share of all of a vertex; of a vertex without weight there is none. Skinned triangles go round as they
+    /// do without animations: what an animation turns inside out shows its backs.
+    ///
+    /// # Errors
+    /// As there, for animations too.
+    pub fn load_moving(path: &Path) -> Result<Self> {
+        Self::read(path, true)
+    }
+
+    fn read(path: &Path, moves: bool) -> Result<Self> {
+        let mut scene = load(&Document::read(path)?, moves)?;
         if scene.lightmap.is_none() && scene.instances.iter().any(|i| i.lightmap.is_some()) {
             let ignored =
                 "nodes: some have a part of a lightmap, but the file has none; they are lit without";
@@ -78,13 +98,14 @@ impl Scene {
 }
 
 /// What [`Scene::load`] does once the file is read.
-fn load(doc: &Document) -> Result<Scene> {
-    let tree = NodeTree::read(doc)?;
+fn load(doc: &Document, moves: bool) -> Result<Scene> {
+    let mut tree = NodeTree::read(doc)?;
+    let moving = if moves { Moving::read(doc, &mut tree)? } else { Moving::default() };
     let name = doc.path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy().into_owned());
     let mut scene = Scene { name, warnings: doc.extension_warnings(), ..Scene::default() };
 
     let mut materials = Materials::default();
-    read_meshes(doc, &tree, &mut scene, &mut materials)?;
+    let followers = read_meshes(doc, &tree, &moving, &mut scene, &mut materials)?;
     scene.lights = light::read_lights(doc, &tree, &mut materials)?;
     scene.decals = decal::read_decals(doc, &tree, &mut materials)?;
     scene.particles = particles::read_particles(doc, &tree, &mut materials, &mut scene.warnings)?;
@@ -114,6 +135,7 @@ fn load(doc: &Document) -> Result<Scene> {
     }
     scene.environment = environment::read_environment(doc)?;
     scene.probes = environment::read_probes(doc, &tree)?;
+    scene.motion = followers.finish(doc, &tree, &moving, &mut scene)?;
     let is_lit = scene.meshes.iter().any(|mesh| !scene.materials[mesh.material].unlit);
     let is_lit_by_nothing =
         scene.lights.is_empty() && scene.environment.is_none() && scene.lightmap.is_none();
@@ -130,7 +152,14 @@ fn is_representable(bounds: &Aabb) -> bool {
 }
 
 /// Meshes, their instances and the materials they use.
-fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &mut Materials) -> Result<()> {
+fn read_meshes(
+    doc: &Document,
+    tree: &NodeTree,
+    moving: &Moving,
+    scene: &mut Scene,
+    materials: &mut Materials,
+) -> Result<Followers> {
+    let mut followers = Followers::default();
     // Undeformed primitives are shared by all nodes; deformed ones belong to theirs. `None` had no triangles.
     let mut known: HashMap<(usize, usize, Option<usize>), Option<usize>> = HashMap::new();
     let mut skins: HashMap<usize, Skin> = HashMap::new();
@@ -152,13 +181,21 @@ fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &m
             None => None,
         };
         let world_from_node = tree.world_from_node[node_index];
-        if skin.is_none() && DMat3::from_mat4(world_from_node).determinant() == 0.0 {
+        let moves = moving.place(node_index);
+        if skin.is_none() && !moves && DMat3::from_mat4(world_from_node).determinant() == 0.0 {
             scene.warnings.push(format!("{element}: its scale flattens the mesh, which was left out"));
             continue;
         }
-        let world_from_object = if skin.is_some() { Mat4::IDENTITY } else { world_from_node.as_mat4() };
-        let own = (skin.is_some() || node.weights.is_some()).then_some(node_index);
-        let pose = Pose { weights, skin: skin.as_deref() };
+        let skin = skin.as_deref();
+        let bends = skin.is_some_and(|skin| moving.bends(skin)) || moving.weights(node_index);
+        // What moves far away is no less accurate for being placed by its instance.
+        let origin = skin.filter(|_| bends).map_or(Vec3::ZERO, |skin| skin.origin(tree));
+        let world_from_object = match skin {
+            Some(_) => Mat4::from_translation(origin),
+            None => world_from_node.as_mat4(),
+        };
+        let own = (skin.is_some() || node.weights.is_some() || bends).then_some(node_index);
+        let bend = Bend { weights, skin: skin.map(|skin| (skin, origin)), moves: bends };
         let has_particles = particles::said(doc, node_index)?.is_some();
         for (j, json) in mesh.primitives.iter().enumerate() {
             if has_particles && particles::is_points(json) {
@@ -176,7 +213,7 @@ fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &m
                     };
                     let lightmapped = lightmaps.meshes.contains(&mesh_index.value());
                     let primitive = Primitive { json, name, element, lightmapped };
-                    let index = read_primitive(doc, &primitive, &pose, scene, materials, &mut budget)?;
+                    let index = read_primitive(doc, &primitive, &bend, scene, materials, &mut budget)?;
                     known.insert(key, index);
                     index
                 }
@@ -187,11 +224,18 @@ fn read_meshes(doc: &Document, tree: &NodeTree, scene: &mut Scene, materials: &m
                 return Err(doc.bad("nodes", problem, "split the scene into smaller files"));
             }
             let lightmap = lightmaps.of(doc, node_index, &scene.meshes[mesh], materials)?;
-            let dynamic = tree.dynamic[node_index];
+            let dynamic = tree.dynamic[node_index] || bends;
+            let instance = scene.instances.len();
+            let follows = match skin.filter(|_| bends) {
+                Some(skin) => Some(Follows::Skin { mesh, instance, skin: followers.skin(skin) }),
+                None => (skin.is_none() && moves).then_some(Follows::Instance(instance)),
+            };
+            let weights = moving.weights(node_index).then_some(Follows::Weights { mesh });
+            followers.list.extend(follows.into_iter().chain(weights).map(|what| (node_index, what)));
             scene.instances.push(Instance { dynamic, lightmap, ..Instance::new(mesh, world_from_object) });
         }
     }
-    Ok(())
+    Ok(followers)
 }
 
 /// Which nodes have a part of the lightmap, and the meshes that they draw.
@@ -237,7 +281,7 @@ impl Lightmaps {
 fn read_primitive(
     doc: &Document,
     primitive: &Primitive,
-    pose: &Pose,
+    bend: &Bend,
     scene: &mut Scene,
     materials: &mut Materials,
     budget: &mut Budget,
@@ -246,7 +290,7 @@ fn read_primitive(
     let material = primitive.json.material;
     let material = materials.use_material(doc, material, &format!("{}.material", primitive.element))?;
     let mesh =
-        primitive.read(doc, indices, &materials.materials[material], pose, budget, &mut scene.warnings)?;
+        primitive.read(doc, indices, &materials.materials[material], bend, budget, &mut scene.warnings)?;
     scene.meshes.push(Mesh { material, ..mesh });
     Ok(Some(scene.meshes.len() - 1))
 }

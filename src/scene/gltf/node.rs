@@ -1,18 +1,23 @@
 //! The node tree, and the cameras that hang from it.
 
-use glam::{DMat3, DMat4, DQuat, DVec3, DVec4, Mat4, Vec3};
+use glam::{DMat4, DVec4, Mat4, Quat, Vec3, Vec4};
 use gltf::json;
 use gltf::json::camera::Type as CameraType;
 
 use super::document::Document;
 use super::extras::{self, Extra, Extras};
 use crate::Result;
-use crate::scene::{Camera, Projection};
+use crate::scene::camera::rigid;
+use crate::scene::{Camera, NodeTransform, Projection};
 
 const REPAIR_TREE: &str = "give each node one parent at most, and list only nodes without a parent in scenes";
 
 /// The nodes of a file, known to form trees.
 pub struct NodeTree {
+    /// By node.
+    pub parents: Vec<Option<usize>>,
+    /// All nodes, parents before their children.
+    pub order: Vec<usize>,
     /// By node; f64 keeps long chains exact enough.
     pub world_from_node: Vec<DMat4>,
     /// By node: whether it will move, because its extras or those of a node above it say `"dynamic": true`.
@@ -36,7 +41,7 @@ impl NodeTree {
         let mut world_from_node = vec![DMat4::IDENTITY; parents.len()];
         let mut dynamic = vec![false; parents.len()];
         for &i in &order {
-            let local = local_transform(doc, i)?;
+            let local = local_transform(doc, i)?.matrix();
             let world = parents[i].map_or(local, |parent| world_from_node[parent] * local);
             if !world.as_mat4().is_finite() {
                 let problem = "its transform in world space exceeds what f32 can hold";
@@ -50,7 +55,7 @@ impl NodeTree {
         let mut drawn = descendants(doc, scene_roots(doc, &parents)?);
         drawn.sort_unstable();
         drawn.dedup();
-        Ok(Self { world_from_node, dynamic, drawn })
+        Ok(Self { parents, order, world_from_node, dynamic, drawn })
     }
 }
 
@@ -110,38 +115,36 @@ fn scene_roots(doc: &Document, parents: &[Option<usize>]) -> Result<Vec<usize>> 
     Ok(roots)
 }
 
-fn local_transform(doc: &Document, index: usize) -> Result<DMat4> {
+/// Where a node is within its parent.
+pub fn local_transform(doc: &Document, index: usize) -> Result<NodeTransform> {
     let node = &doc.root.nodes[index];
     let at = |field: &str| format!("nodes[{index}].{field}");
     if let Some(matrix) = node.matrix {
-        let matrix = Mat4::from_cols_array(&doc.finite(matrix, at("matrix"))?).as_dmat4();
-        if matrix.row(3) != DVec4::W {
+        let matrix = Mat4::from_cols_array(&doc.finite(matrix, at("matrix"))?);
+        if matrix.row(3) != Vec4::W {
             let problem = "its last row is not 0, 0, 0, 1";
             return Err(doc.bad(at("matrix"), problem, "use an affine matrix"));
         }
-        return Ok(matrix);
+        return Ok(NodeTransform::Matrix(matrix));
     }
-    let vector = |v: Option<[f32; 3]>, default: DVec3, field: &str| match v {
-        Some(v) => Ok(Vec3::from_array(doc.finite(v, at(field))?).as_dvec3()),
+    let vector = |v: Option<[f32; 3]>, default: Vec3, field: &str| match v {
+        Some(v) => Ok(Vec3::from_array(doc.finite(v, at(field))?)),
         None => Ok(default),
     };
-    let translation = vector(node.translation, DVec3::ZERO, "translation")?;
-    let scale = vector(node.scale, DVec3::ONE, "scale")?;
+    let translation = vector(node.translation, Vec3::ZERO, "translation")?;
+    let scale = vector(node.scale, Vec3::ONE, "scale")?;
     let rotation = match node.rotation {
         Some(rotation) => {
-            let q = DVec4::from_array(doc.finite(rotation.0, at("rotation"))?.map(f64::from));
-            let unit = q.try_normalize().ok_or_else(|| {
-                doc.bad(
-                    at("rotation"),
-                    "is a quaternion of length 0",
-                    "use a unit quaternion, e.g. [0, 0, 0, 1]",
-                )
-            })?;
-            DQuat::from_vec4(unit)
+            let q = Quat::from_array(doc.finite(rotation.0, at("rotation"))?);
+            if DVec4::from(q.as_dquat()).try_normalize().is_none() {
+                let problem = "is a quaternion of length 0";
+                return Err(doc.bad(at("rotation"), problem, "use a unit quaternion, e.g. [0, 0, 0, 1]"));
+            }
+            q
         }
-        None => DQuat::IDENTITY,
+        None => Quat::IDENTITY,
     };
-    Ok(DMat4::from_scale_rotation_translation(scale, rotation, translation))
+    Ok(NodeTransform::Parts { translation, rotation, scale })
 }
 
 /// What the extras of the scene that is drawn say: see [`super::environment`] and [`super::around`].
@@ -159,6 +162,11 @@ pub fn extras_of_scene<'a>(doc: &'a Document<'a>) -> Result<Extras<'a>> {
 /// What the extras of a node say: see [`super::light`] and [`super::around`].
 pub fn extras<'a>(doc: &'a Document<'a>, node: usize) -> Result<Extras<'a>> {
     Extras::read(doc, &[(&doc.root.nodes[node].extras, format!("nodes[{node}]"))], &extras::OF_NODES)
+}
+
+/// The drawn nodes that have a camera, in the order of [`read_cameras`].
+pub fn with_cameras<'a>(doc: &'a Document, tree: &'a NodeTree) -> impl Iterator<Item = usize> + 'a {
+    tree.drawn.iter().copied().filter(|&i| doc.root.nodes[i].camera.is_some())
 }
 
 /// The cameras of the drawn nodes.
@@ -180,15 +188,6 @@ pub fn read_cameras(doc: &Document, tree: &NodeTree) -> Result<Vec<Camera>> {
         });
     }
     Ok(cameras)
-}
-
-/// The transform without scale, shear and mirroring; -Z and the plane of Y stay.
-fn rigid(world_from_node: &DMat4) -> Option<Mat4> {
-    let axes = DMat3::from_mat4(*world_from_node);
-    let back = axes.z_axis.try_normalize()?;
-    let right = axes.y_axis.try_normalize()?.cross(back).try_normalize()?;
-    let rotation = DMat3::from_cols(right, back.cross(right), back);
-    Some((DMat4::from_translation(world_from_node.w_axis.truncate()) * DMat4::from_mat3(rotation)).as_mat4())
 }
 
 fn projection(doc: &Document, camera: &json::Camera, index: usize) -> Result<Projection> {

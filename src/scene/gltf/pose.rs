@@ -1,6 +1,8 @@
-//! Morph targets and skins at the pose that a file shows without its animations.
+//! Morph targets and skins: what bends a mesh.
 
-use glam::{DMat3, DMat4, Mat4, Vec3, Vec4};
+use std::collections::HashMap;
+
+use glam::{DMat4, Mat4, Vec3};
 use gltf::json;
 use gltf::json::validation::Checked;
 use gltf::json::{Index, mesh::Semantic};
@@ -9,7 +11,7 @@ use super::accessor::{Format, Reader};
 use super::document::Document;
 use super::node::NodeTree;
 use crate::Result;
-use crate::scene::Mesh;
+use crate::scene::{Deformation, Influence, Mesh, MorphTarget, Pose};
 
 /// The weights that apply to a mesh on a node: the node's, else the mesh's, else zeros.
 pub fn morph_weights<'a>(
@@ -30,54 +32,18 @@ pub fn morph_weights<'a>(
     Ok(Some(weights))
 }
 
-/// Adds the weighted targets to positions, normals and tangents (glTF 2.0 section 3.7.2.2).
-pub fn apply_morph(
-    doc: &Document,
-    mesh: &mut Mesh,
-    primitive: &json::mesh::Primitive,
-    element: &str,
-    weights: &[f32],
-) -> Result<()> {
-    let targets = primitive.targets.as_deref().unwrap_or_default();
-    if targets.len() != weights.len() {
-        let problem = format!("has {} targets, but there are {} weights", targets.len(), weights.len());
-        return Err(doc.bad(format!("{element}.targets"), problem, "give each target one weight"));
-    }
-    for (i, (target, &weight)) in targets.iter().zip(weights).enumerate() {
-        if weight == 0.0 {
-            continue;
-        }
-        let read = |index: Option<Index<json::Accessor>>, name: &str, wanted: usize| match index {
-            Some(index) if wanted > 0 => {
-                let element = format!("{element}.targets[{i}].{name}");
-                let reader = Reader::new(doc, index, &element, Format::VEC3)?;
-                if reader.count != wanted {
-                    let problem = format!("has {} elements for {wanted} vertices", reader.count);
-                    return Err(doc.bad(element, problem, "export the file again"));
-                }
-                reader.floats::<3>(doc)
-            }
-            _ => Ok(Vec::new()),
-        };
-        let positions = read(target.positions, "POSITION", mesh.positions.len())?;
-        for (p, [x, y, z]) in mesh.positions.iter_mut().zip(positions) {
-            *p += Vec3::new(x, y, z) * weight;
-        }
-        let normals = read(target.normals, "NORMAL", mesh.normals.len())?;
-        for (n, [x, y, z]) in mesh.normals.iter_mut().zip(normals) {
-            *n += Vec3::new(x, y, z) * weight;
-        }
-        let tangents = read(target.tangents, "TANGENT", mesh.tangents.len())?;
-        for (t, [x, y, z]) in mesh.tangents.iter_mut().zip(tangents) {
-            *t += Vec4::new(x, y, z, 0.0) * weight;
-        }
-    }
-    Ok(())
+/// How many morph targets a mesh has, by its first primitive; each one's own number is checked when it is read.
+pub fn target_count(doc: &Document, mesh: Index<json::Mesh>) -> usize {
+    let primitives = doc.root.meshes.get(mesh.value()).map(|mesh| &mesh.primitives[..]).unwrap_or_default();
+    primitives.first().and_then(|p| p.targets.as_ref()).map_or(0, Vec::len)
 }
 
-/// The joints of a skin at rest.
+/// The joints of a skin as they are without animations.
 pub struct Skin {
-    index: usize,
+    pub index: usize,
+    /// Nodes.
+    pub joints: Vec<usize>,
+    pub joint_from_bind: Vec<Mat4>,
     world_from_bind: Vec<DMat4>,
 }
 
@@ -100,58 +66,40 @@ impl Skin {
             }
             None => vec![Mat4::IDENTITY.to_cols_array(); skin.joints.len()],
         };
+        let (mut joints, mut joint_from_bind) = (Vec::new(), Vec::new());
         let mut world_from_bind = Vec::with_capacity(skin.joints.len());
         for (j, (&joint, inverse_bind)) in skin.joints.iter().zip(&inverse_binds).enumerate() {
             doc.get(&doc.root.nodes, "nodes", joint, format!("{name}.joints[{j}]"))?;
-            let joint_from_bind = Mat4::from_cols_array(inverse_bind).as_dmat4();
-            world_from_bind.push(tree.world_from_node[joint.value()] * joint_from_bind);
+            let mut matrix = Mat4::from_cols_array(inverse_bind);
+            // Exporters round the row that says that it is affine.
+            (matrix.x_axis.w, matrix.y_axis.w, matrix.z_axis.w, matrix.w_axis.w) = (0.0, 0.0, 0.0, 1.0);
+            world_from_bind.push(tree.world_from_node[joint.value()] * matrix.as_dmat4());
+            joints.push(joint.value());
+            joint_from_bind.push(matrix);
         }
-        Ok(Self { index: index.value(), world_from_bind })
+        Ok(Self { index: index.value(), joints, joint_from_bind, world_from_bind })
     }
 
-    /// Moves a mesh from its bind pose into world space (glTF 2.0 section 3.7.3.3).
-    pub fn apply(
-        &self,
-        doc: &Document,
-        mesh: &mut Mesh,
-        primitive: &json::mesh::Primitive,
-        element: &str,
-    ) -> Result<()> {
-        let blended = self.blended(doc, mesh.positions.len(), primitive, element)?;
-        let mirrored: Vec<bool> = blended.iter().map(|m| DMat3::from_mat4(*m).determinant() < 0.0).collect();
-        for (p, world_from_bind) in mesh.positions.iter_mut().zip(&blended) {
-            *p = world_from_bind.transform_point3(p.as_dvec3()).as_vec3();
-        }
-        for ((n, m), &mirrored) in mesh.normals.iter_mut().zip(&blended).zip(&mirrored) {
-            // The cofactor matrix is the inverse transpose times the determinant, and never fails.
-            let (x, y, z) = (m.x_axis.truncate(), m.y_axis.truncate(), m.z_axis.truncate());
-            let cofactor = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-            let normal = (cofactor * n.as_dvec3()).normalize_or_zero().as_vec3();
-            *n = if mirrored { -normal } else { normal };
-        }
-        for ((t, m), &mirrored) in mesh.tangents.iter_mut().zip(&blended).zip(&mirrored) {
-            let sign = if mirrored { -t.w } else { t.w };
-            let direction = m.transform_vector3(t.truncate().as_dvec3()).normalize_or_zero();
-            *t = direction.as_vec3().extend(sign);
-        }
-        // No instance transform will tell that these triangles are mirrored.
-        for triangle in mesh.indices.chunks_exact_mut(3) {
-            if triangle.iter().all(|&i| mirrored[i as usize]) {
-                triangle.swap(1, 2);
-            }
-        }
-        Ok(())
+    /// Where the first joint is: the origin of meshes that move with it.
+    pub fn origin(&self, tree: &NodeTree) -> Vec3 {
+        tree.world_from_node[self.joints[0]].w_axis.truncate().as_vec3()
     }
 
-    /// For each vertex, the mean of its joints' transforms.
-    fn blended(
+    /// The joints' transforms, to a space of the world's axes with this origin.
+    pub fn object_from_bind(&self, origin: Vec3) -> Vec<Mat4> {
+        let object_from_world = DMat4::from_translation(-origin.as_dvec3());
+        self.world_from_bind.iter().map(|m| (object_from_world * *m).as_mat4()).collect()
+    }
+
+    /// Which joints move each vertex.
+    fn influences(
         &self,
         doc: &Document,
         vertices: usize,
         primitive: &json::mesh::Primitive,
         element: &str,
-    ) -> Result<Vec<DMat4>> {
-        let mut sums = vec![(DMat4::ZERO, 0.0); vertices];
+    ) -> Result<Vec<Influence>> {
+        let mut sets: Vec<Vec<Influence>> = Vec::new();
         for set in 0.. {
             let find = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
             let (joints, weights) = (find(Semantic::Joints(set)), find(Semantic::Weights(set)));
@@ -169,32 +117,119 @@ impl Skin {
             };
             let joints = Reader::new(doc, joints, &joints_element, Format::JOINTS)?.integers::<4>();
             let weights = Reader::new(doc, weights, &weights_element, Format::WEIGHTS)?.floats::<4>(doc)?;
-            for (vertex, ((sum, total), (joints, weights))) in
-                sums.iter_mut().zip(joints.iter().zip(&weights)).enumerate()
-            {
-                for (&joint, &weight) in joints.iter().zip(weights).filter(|(_, w)| **w != 0.0) {
-                    let matrix = self.world_from_bind.get(joint as usize).ok_or_else(|| {
-                        let (skin, count) = (self.index, self.world_from_bind.len());
-                        let problem =
-                            format!("vertex {vertex} uses joint {joint}, but skins[{skin}] has {count}");
-                        doc.bad(&joints_element, problem, "export the file again")
-                    })?;
-                    *sum += *matrix * f64::from(weight);
-                    *total += f64::from(weight);
+            let mut own = Vec::with_capacity(vertices);
+            for (vertex, (joints, weights)) in joints.iter().zip(weights).enumerate() {
+                if let Some(weight) = weights.into_iter().find(|weight| *weight < 0.0) {
+                    let problem = format!("a weight of vertex {vertex} is {weight}");
+                    return Err(doc.bad(weights_element, problem, "give weights of at least 0"));
                 }
+                let unused = |(&joint, weight): (&u32, f32)| if weight == 0.0 { 0 } else { joint };
+                let mut used = joints.iter().zip(weights).map(unused);
+                let count = self.joints.len();
+                if let Some(joint) = used.clone().find(|joint| *joint as usize >= count) {
+                    let problem =
+                        format!("vertex {vertex} uses joint {joint}, but skins[{}] has {count}", self.index);
+                    return Err(doc.bad(&joints_element, problem, "export the file again"));
+                }
+                let joints = std::array::from_fn(|_| used.next().unwrap_or(0) as u16);
+                own.push(Influence { joints, weights });
             }
+            sets.push(own);
         }
-        let mut blended = Vec::with_capacity(vertices);
-        for (vertex, (sum, total)) in sums.into_iter().enumerate() {
+        for vertex in 0..vertices {
+            let weights = sets.iter().flat_map(|set| set[vertex].weights);
+            let total = weights.map(f64::from).sum::<f64>();
             if total <= 0.0 {
                 let problem = format!("the weights of vertex {vertex} add up to {total}");
                 let remedy = "give every vertex weights that add up to 1";
                 return Err(doc.bad(format!("{element}.attributes.WEIGHTS_0"), problem, remedy));
             }
-            let mut mean = sum * (1.0 / total);
-            mean.w_axis.w = 1.0;
-            blended.push(mean);
         }
-        Ok(blended)
+        Ok((0..vertices).flat_map(|vertex| sets.iter().map(move |set| set[vertex])).collect())
     }
+}
+
+/// How a mesh on a node is bent.
+pub struct Bend<'a> {
+    pub weights: Option<&'a [f32]>,
+    /// With the origin of what is posed.
+    pub skin: Option<(&'a Skin, Vec3)>,
+    /// It will be bent otherwise.
+    pub moves: bool,
+}
+
+impl Bend<'_> {
+    /// What bends the primitive that `mesh` was read from; morph targets without weight only where they may get one.
+    pub fn read(
+        &self,
+        doc: &Document,
+        mesh: &Mesh,
+        primitive: &json::mesh::Primitive,
+        element: &str,
+    ) -> Result<Option<Deformation>> {
+        let targets = primitive.targets.as_deref().unwrap_or_default();
+        let weights = match self.weights {
+            Some(weights) => weights.to_vec(),
+            None if self.moves => vec![0.0; targets.len()],
+            None => Vec::new(),
+        };
+        if self.skin.is_none() && weights.is_empty() && self.weights.is_none() {
+            return Ok(None);
+        }
+        if targets.len() != weights.len() && (self.weights.is_some() || self.moves) {
+            let problem = format!("has {} targets, but there are {} weights", targets.len(), weights.len());
+            return Err(doc.bad(format!("{element}.targets"), problem, "give each target one weight"));
+        }
+        let targets = targets.iter().zip(&weights).enumerate().map(|(i, (target, &weight))| {
+            match weight == 0.0 && !self.moves {
+                true => Ok(MorphTarget::default()),
+                false => read_target(doc, mesh, target, &format!("{element}.targets[{i}]")),
+            }
+        });
+        let targets = targets.collect::<Result<_>>()?;
+        let mut deformation =
+            Deformation { targets, pose: Pose { weights, ..Pose::default() }, ..Deformation::default() };
+        if let Some((skin, origin)) = self.skin {
+            deformation.influences = skin.influences(doc, mesh.positions.len(), primitive, element)?;
+            deformation.pose.object_from_bind = skin.object_from_bind(origin);
+        }
+        Ok(Some(deformation))
+    }
+}
+
+fn read_target(
+    doc: &Document,
+    mesh: &Mesh,
+    target: &json::mesh::MorphTarget,
+    element: &str,
+) -> Result<MorphTarget> {
+    let read = |index: Option<Index<json::Accessor>>, name: &str, wanted: usize| match index {
+        Some(index) if wanted > 0 => {
+            let element = format!("{element}.{name}");
+            let reader = Reader::new(doc, index, &element, Format::VEC3)?;
+            if reader.count != wanted {
+                let problem = format!("has {} elements for {wanted} vertices", reader.count);
+                return Err(doc.bad(element, problem, "export the file again"));
+            }
+            Ok(reader.floats::<3>(doc)?.into_iter().map(Vec3::from_array).collect())
+        }
+        _ => Ok(Vec::new()),
+    };
+    Ok(MorphTarget {
+        positions: read(target.positions, "POSITION", mesh.positions.len())?,
+        normals: read(target.normals, "NORMAL", mesh.normals.len())?,
+        tangents: read(target.tangents, "TANGENT", mesh.tangents.len())?,
+    })
+}
+
+/// Turns round triangles that joints turn inside out: no instance's transform tells that they are mirrored.
+pub fn turn_mirrored(mesh: &mut Mesh) {
+    let mut known: HashMap<u32, bool> = HashMap::new();
+    let mut indices = std::mem::take(&mut mesh.indices);
+    for triangle in indices.chunks_exact_mut(3) {
+        if triangle.iter().all(|&i| *known.entry(i).or_insert_with(|| mesh.is_mirrored_at(i))) {
+            triangle.swap(1, 2);
+        }
+    }
+    mesh.indices = indices;
 }

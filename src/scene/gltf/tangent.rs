@@ -4,11 +4,12 @@ use std::collections::HashMap;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use crate::scene::{Mesh, TextureRef};
+use crate::scene::{Influence, Mesh, MorphTarget, TextureRef};
 
 /// Gives every triangle vertices of its own.
 pub fn unweld(mesh: &mut Mesh) {
     let indices = std::mem::take(&mut mesh.indices);
+    let sets = mesh.deformation.as_ref().map_or(0, |d| d.sets(mesh.positions.len()));
     fn pick<T: Copy>(list: &mut Vec<T>, indices: &[u32]) {
         if !list.is_empty() {
             *list = indices.iter().map(|&i| list[i as usize]).collect();
@@ -19,6 +20,16 @@ pub fn unweld(mesh: &mut Mesh) {
     pick(&mut mesh.tangents, &indices);
     mesh.texcoords.iter_mut().for_each(|list| pick(list, &indices));
     pick(&mut mesh.colors, &indices);
+    if let Some(deformation) = &mut mesh.deformation {
+        if sets > 0 {
+            let old = std::mem::take(&mut deformation.influences);
+            let of = |&i: &u32| &old[i as usize * sets..(i as usize + 1) * sets];
+            deformation.influences = indices.iter().flat_map(of).copied().collect();
+        }
+        for MorphTarget { positions, normals, tangents } in &mut deformation.targets {
+            [positions, normals, tangents].into_iter().for_each(|list| pick(list, &indices));
+        }
+    }
     mesh.indices = (0..indices.len() as u32).collect();
 }
 
@@ -41,7 +52,8 @@ fn weld(mesh: &mut Mesh) {
     mesh.indices = indices;
 }
 
-fn vertex_bits(mesh: &Mesh, i: usize) -> [u32; 18] {
+/// All that makes a vertex what it is; the second part is of what bends the mesh.
+fn vertex_bits(mesh: &Mesh, i: usize) -> ([u32; 18], Vec<u32>) {
     fn copy<const N: usize>(bits: &mut [u32], values: Option<[f32; N]>) {
         bits.iter_mut().zip(values.iter().flatten()).for_each(|(bit, value)| *bit = value.to_bits());
     }
@@ -52,7 +64,19 @@ fn vertex_bits(mesh: &Mesh, i: usize) -> [u32; 18] {
     copy(&mut bits[10..12], mesh.texcoords[0].get(i).map(Vec2::to_array));
     copy(&mut bits[12..14], mesh.texcoords[1].get(i).map(Vec2::to_array));
     copy(&mut bits[14..18], mesh.colors.get(i).map(Vec4::to_array));
-    bits
+    let mut more = Vec::new();
+    if let Some(deformation) = &mesh.deformation {
+        let sets = deformation.sets(mesh.positions.len());
+        for Influence { joints, weights } in &deformation.influences[i * sets..(i + 1) * sets] {
+            more.extend(joints.map(u32::from));
+            more.extend(weights.map(f32::to_bits));
+        }
+        for MorphTarget { positions, normals, tangents } in &deformation.targets {
+            let lists = [positions, normals, tangents];
+            more.extend(lists.iter().filter_map(|l| l.get(i)).flat_map(|v| v.to_array().map(f32::to_bits)));
+        }
+    }
+    (bits, more)
 }
 
 /// The sum of the normals of the triangles around each vertex, weighted by area; of any length.

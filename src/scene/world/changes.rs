@@ -29,7 +29,7 @@ impl Changes {
         *self == Self::default()
     }
 
-    /// Whether more was done than moving instances and changing the numbers of lights, decals and particles: a renderer makes new objects
+    /// Whether more was done than moving instances, posing meshes and changing the numbers of lights, decals and particles: a renderer makes new objects
     /// then.
     pub fn is_structural(&self) -> bool {
         self.elements || self.surroundings
@@ -42,8 +42,14 @@ impl Changes {
         (*surroundings, *elements) = (false, false);
     }
 
+    /// A mesh is posed otherwise.
+    pub(in crate::scene) fn bend(&mut self, mesh: usize) {
+        Self::note(&mut self.meshes, mesh);
+        self.elements = true;
+    }
+
     /// Adds a place, unless it came last: what changes many times between two looks is there once.
-    pub(super) fn note(places: &mut Vec<usize>, index: usize) {
+    pub(in crate::scene) fn note(places: &mut Vec<usize>, index: usize) {
         if places.last() != Some(&index) {
             places.push(index);
         }

@@ -1,0 +1,352 @@
+//! The window's life: events of the system, scenes that are opened, frames.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant};
+
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
+use winit::window::{Fullscreen, Window, WindowId};
+
+use super::frames::{Drawn, Frames};
+use super::hand::Hand;
+use super::keys::{HELP, Keys, Wish};
+use super::rig::{Motion, Rig};
+use super::steps::Steps;
+use super::{Viewer, no_window};
+use crate::gpu::{View, WindowHandles};
+use crate::plan::Options;
+use crate::scene::Scene;
+use crate::{Error, Result};
+
+/// A viewer that runs.
+pub(super) struct App {
+    pub(super) viewer: Viewer,
+    pub(super) scene: Arc<Scene>,
+    pub(super) open: Option<Open>,
+    pub(super) rig: Rig,
+    pub(super) steps: Steps,
+    /// What the script says of the window's size, where the system would not do it.
+    pub(super) is_minimised: bool,
+    /// The system has the window's surface.
+    pub(super) is_suspended: bool,
+    hand: Hand,
+    keys: Keys,
+    wake: EventLoopProxy<()>,
+    loading: Option<Receiver<(PathBuf, Result<Scene>)>>,
+    /// What was loaded and not shown yet.
+    loaded: Option<(PathBuf, Arc<Scene>)>,
+    is_occluded: bool,
+    clock: Clock,
+    /// Why the window closes.
+    failed: Option<Error>,
+}
+
+/// The window and what draws to it.
+pub(super) struct Open {
+    pub(super) frames: Frames,
+    pub(super) window: Arc<Window>,
+}
+
+/// When frames were drawn.
+struct Clock {
+    last: Instant,
+    told: Instant,
+    frames: u32,
+}
+
+impl App {
+    pub(super) fn new(mut viewer: Viewer, scene: Scene, wake: EventLoopProxy<()>) -> Self {
+        let wanted = viewer.camera.as_deref().unwrap_or("0");
+        let camera = scene.camera(wanted).unwrap_or(&scene.cameras[0]);
+        let rig = Rig::new(&scene, camera, Motion::Orbit);
+        let now = Instant::now();
+        let steps = Steps::new(viewer.script.take());
+        Self {
+            rig,
+            steps,
+            scene: Arc::new(scene),
+            open: None,
+            is_minimised: false,
+            is_suspended: false,
+            hand: Hand::default(),
+            keys: Keys::default(),
+            wake,
+            loading: None,
+            loaded: None,
+            is_occluded: false,
+            clock: Clock { last: now, told: now, frames: 0 },
+            failed: None,
+            viewer,
+        }
+    }
+
+    /// Destroys all, and says how it went.
+    pub(super) fn finish(mut self) -> Result<()> {
+        let messages = self.open.take().map(|open| open.frames.close()).transpose();
+        if let Some(error) = self.failed {
+            return Err(error);
+        }
+        match messages?.unwrap_or_default().as_slice() {
+            [] => Ok(()),
+            all @ [first, ..] => Err(Error::unsupported(
+                format!("the validation layer has {} messages, first: {first}", all.len()),
+                "report this as a bug of ontile or of the driver",
+            )),
+        }
+    }
+
+    /// Reads a scene on another thread; the one that is shown goes on.
+    pub(super) fn load(&mut self, path: &Path) {
+        let (sender, receiver) = channel();
+        let (load, wake, path) = (Arc::clone(&self.viewer.load), self.wake.clone(), path.to_owned());
+        self.loading = Some(receiver);
+        std::thread::spawn(move || {
+            let scene = load(&path);
+            // A window that was closed, or has been given another file, wants it no more.
+            let _ = sender.send((path, scene));
+            let _ = wake.send_event(());
+        });
+    }
+
+    /// Whether a scene is on its way, and will be shown as things are.
+    pub(super) fn is_loading(&self) -> bool {
+        let waits = self.is_minimised || self.is_suspended;
+        self.loading.is_some() || self.loaded.is_some() && !waits
+    }
+
+    /// Takes a scene that was loaded.
+    fn take_loaded(&mut self) {
+        let Some(receiver) = &self.loading else { return };
+        match receiver.try_recv() {
+            Ok((path, Ok(scene))) => self.loaded = Some((path, Arc::new(scene))),
+            Ok((_, Err(error))) => self.tell(&error),
+            Err(TryRecvError::Empty) => return,
+            Err(TryRecvError::Disconnected) => {
+                (self.viewer.tell)("the scene could not be loaded: its loader panicked")
+            }
+        }
+        self.loading = None;
+    }
+
+    /// Shows a scene that was loaded, or goes on with the one before.
+    fn show_loaded(&mut self) {
+        let Some((path, scene)) = self.loaded.take() else { return };
+        let Some(open) = &mut self.open else { return };
+        match open.frames.show(&scene, &self.viewer.options) {
+            Ok(()) => {
+                self.rig = Rig::new(&scene, &scene.cameras[0], self.rig.motion);
+                (self.scene, self.viewer.scene) = (scene, path);
+            }
+            Err(error) => self.tell(&error),
+        }
+    }
+
+    /// Builds the frame by other options, or goes on with those before.
+    pub(super) fn set_options(&mut self, options: Options) {
+        let Some(open) = &mut self.open else { return };
+        match open.frames.show(&self.scene, &options) {
+            Ok(()) => self.viewer.options = options,
+            Err(error) => self.tell(&error),
+        }
+    }
+
+    /// Looks from one of the scene's cameras.
+    pub(super) fn set_camera(&mut self, wanted: &str) -> Result<()> {
+        let camera = self.scene.camera(wanted)?;
+        self.rig = Rig::new(&self.scene, camera, self.rig.motion);
+        Ok(())
+    }
+
+    pub(super) fn tell(&self, error: &Error) {
+        (self.viewer.tell)(&error.to_string());
+    }
+
+    fn create_window(&mut self, events: &ActiveEventLoop) -> Result<Open> {
+        let [width, height] = self.viewer.options.size;
+        let attributes = Window::default_attributes()
+            .with_title(format!("{} - ontile", self.scene.name))
+            .with_inner_size(PhysicalSize::new(width, height));
+        let window = Arc::new(events.create_window(attributes).map_err(|e| no_window(&e))?);
+        let handles: Arc<dyn WindowHandles> = Arc::clone(&window) as _;
+        Ok(Open { frames: Frames::new(&self.viewer, handles)?, window })
+    }
+
+    /// Width and height of the window's inside, pixels.
+    fn window_size(&self) -> [u32; 2] {
+        match &self.open {
+            Some(open) if !self.is_minimised => open.window.inner_size().into(),
+            _ => [0; 2],
+        }
+    }
+
+    /// Draws a frame, if there is something to draw to.
+    fn draw(&mut self) -> Result<()> {
+        let size = self.window_size();
+        if self.is_suspended {
+            self.steps.frame_passed();
+            return Ok(());
+        }
+        let Some(open) = &mut self.open else { return Ok(()) };
+        if !open.frames.prepare(size)? {
+            self.steps.frame_passed();
+            return Ok(());
+        }
+        if open.frames.shown().is_none() {
+            open.frames.show(&self.scene, &self.viewer.options)?;
+        }
+        self.show_loaded();
+        let seconds = self.clock.last.elapsed().min(Duration::from_millis(100)).as_secs_f32();
+        self.clock.last = Instant::now();
+        let flight = self.keys.flight();
+        if flight != glam::Vec3::ZERO {
+            self.rig.fly(flight * seconds);
+        }
+        let Some(open) = &mut self.open else { return Ok(()) };
+        let view = View { camera: &self.rig.camera, exposure_ev: self.viewer.exposure_ev };
+        let shot = self.steps.shot();
+        open.window.pre_present_notify();
+        match open.frames.draw(&view, shot)? {
+            Drawn::Frame => {
+                self.steps.frame_drawn();
+                self.clock.frames += 1;
+                self.show_rate();
+            }
+            Drawn::Nothing => self.steps.frame_passed(),
+            Drawn::Again => {}
+        }
+        Ok(())
+    }
+
+    /// Tells the time of a frame in the title, twice a second.
+    fn show_rate(&mut self) {
+        let elapsed = self.clock.told.elapsed();
+        let Some(open) = self.open.as_ref().filter(|_| elapsed > Duration::from_millis(500)) else { return };
+        let ms = elapsed.as_secs_f64() * 1e3 / f64::from(self.clock.frames.max(1));
+        open.window.set_title(&format!("{} - ontile - {ms:.1} ms", self.scene.name));
+        (self.clock.told, self.clock.frames) = (Instant::now(), 0);
+    }
+
+    fn wish(&mut self, wish: Wish, events: &ActiveEventLoop) {
+        match wish {
+            Wish::Quit => events.exit(),
+            Wish::Help => (self.viewer.tell)(HELP),
+            Wish::Motion => {
+                self.rig.motion = match self.rig.motion {
+                    Motion::Orbit => Motion::Fly,
+                    Motion::Fly => Motion::Orbit,
+                };
+            }
+            Wish::Camera(index) if index >= self.scene.cameras.len() => {}
+            Wish::Camera(index) => {
+                self.rig = Rig::new(&self.scene, &self.scene.cameras[index], self.rig.motion);
+            }
+            Wish::NextCamera => {
+                let count = self.scene.cameras.len();
+                let now = self.scene.cameras.iter().position(|c| c.name == self.rig.camera.name);
+                self.wish(Wish::Camera(now.map_or(0, |n| (n + 1) % count)), events);
+            }
+            Wish::Expose(half_stops) => {
+                let ev = self.viewer.exposure_ev + 0.5 * half_stops as f32;
+                self.viewer.exposure_ev = ev.clamp(-64.0, 64.0);
+            }
+            Wish::Screenshot => {
+                let name = |n: u32| PathBuf::from(format!("ontile-{n:04}.png"));
+                let free = (1..10_000).map(name).find(|path| !path.exists());
+                let path = free.unwrap_or_else(|| name(10_000));
+                (self.viewer.tell)(&format!("screenshot: {}", path.display()));
+                self.steps.want_shot(path);
+            }
+            Wish::Fullscreen => {
+                let Some(open) = &self.open else { return };
+                let is_full = open.window.fullscreen().is_some();
+                open.window.set_fullscreen((!is_full).then_some(Fullscreen::Borderless(None)));
+            }
+        }
+    }
+
+    fn fail(&mut self, error: Error, events: &ActiveEventLoop) {
+        self.failed.get_or_insert(error);
+        events.exit();
+    }
+
+    /// The system gives the window its surface, for the first time or again.
+    pub(super) fn resume(&mut self, events: &ActiveEventLoop) {
+        self.is_suspended = false;
+        if self.open.is_none() {
+            match self.create_window(events) {
+                Ok(open) => self.open = Some(open),
+                Err(error) => self.fail(error, events),
+            }
+        }
+    }
+
+    /// The system takes the surface.
+    pub(super) fn suspend(&mut self, events: &ActiveEventLoop) {
+        self.is_suspended = true;
+        self.hand.release();
+        self.keys.release();
+        if let Some(open) = &mut self.open
+            && let Err(error) = open.frames.suspend()
+        {
+            self.fail(error, events);
+        }
+    }
+}
+
+impl ApplicationHandler for App {
+    fn new_events(&mut self, _: &ActiveEventLoop, _: StartCause) {
+        self.take_loaded();
+    }
+
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        self.resume(events);
+    }
+
+    fn suspended(&mut self, events: &ActiveEventLoop) {
+        self.suspend(events);
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let height_px = f64::from(self.window_size()[1]);
+        self.hand.event(&event, self.keys.shift(), height_px, &mut self.rig);
+        match event {
+            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
+                self.open.iter_mut().for_each(|open| open.frames.outdate());
+            }
+            WindowEvent::Occluded(is_occluded) => self.is_occluded = is_occluded,
+            WindowEvent::Focused(false) => self.keys.release(),
+            WindowEvent::DroppedFile(path) => self.load(&path),
+            WindowEvent::KeyboardInput { event, .. } => {
+                if let Some(wish) = self.keys.event(&event) {
+                    self.wish(wish, events);
+                }
+            }
+            WindowEvent::RedrawRequested => {
+                if let Err(error) = self.draw() {
+                    self.fail(error, events);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        if self.failed.is_some() {
+            return;
+        }
+        if let Err(error) = self.run_steps(events) {
+            return self.fail(error, events);
+        }
+        let is_seen = !self.is_occluded && !self.is_suspended && !self.window_size().contains(&0);
+        let draws = is_seen || self.steps.are_left();
+        events.set_control_flow(if draws { ControlFlow::Poll } else { ControlFlow::Wait });
+        if let Some(open) = self.open.as_ref().filter(|_| draws) {
+            open.window.request_redraw();
+        }
+    }
+}

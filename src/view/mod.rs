@@ -1,0 +1,127 @@
+//! A window that shows a scene: an app for programs of the desktop and of phones.
+//!
+//! The app owns window, device and frames, and draws straight into the window's images. A program gives it a [`Viewer`] and, where
+//! the system asks for that, the event loop; it comes back when the window is closed.
+//!
+//! ```no_run
+//! use ontile::view::Viewer;
+//!
+//! # fn main() -> ontile::Result<()> {
+//! Viewer::new("scene.glb").run()
+//! # }
+//! ```
+
+mod app;
+mod frames;
+mod hand;
+mod keys;
+mod rig;
+mod script;
+mod shown;
+mod steps;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use winit::event_loop::EventLoop;
+
+pub use crate::gpu::PresentMode;
+pub use keys::HELP;
+pub use script::Script;
+
+use crate::environment::{Cache, DEFAULT_FACE_SIZE, TexelFormat};
+use crate::plan::Options;
+use crate::scene::Scene;
+use crate::{Error, Result};
+
+/// How a scene file becomes a scene, on any thread.
+pub type Load = Arc<dyn Fn(&Path) -> Result<Scene> + Send + Sync>;
+
+/// What is shown, and how. [`Viewer::run`] shows it.
+pub struct Viewer {
+    /// The scene's file.
+    pub scene: PathBuf,
+    /// Reads it, and those that are opened later.
+    pub load: Load,
+    /// How the frame is built. `size` is the window's at first, in pixels; what concerns the output follows from the window.
+    pub options: Options,
+    /// Stops.
+    pub exposure_ev: f32,
+    /// The camera to begin with, by its number or name; the first by default.
+    pub camera: Option<String>,
+    /// When frames are shown.
+    pub present: PresentMode,
+    /// Frames on the GPU at a time, at least 1.
+    pub frames_in_flight: usize,
+    /// Take the first device whose name or driver contains this.
+    pub device: Option<String>,
+    /// Run under the Khronos validation layer; any message of it is a failure.
+    pub validate: bool,
+    /// Done in the place of a user.
+    pub script: Option<Script>,
+    /// Tells the user what went wrong, or was done.
+    pub tell: Box<dyn Fn(&str)>,
+}
+
+impl Viewer {
+    /// Shows a scene with default options.
+    pub fn new(scene: impl Into<PathBuf>) -> Self {
+        let load = |path: &Path| {
+            let mut scene = Scene::load(path)?;
+            for environment in scene.environments_mut() {
+                environment.prefilter(DEFAULT_FACE_SIZE, TexelFormat::E5B9G9R9, Cache::of_user().as_ref());
+            }
+            Ok(scene)
+        };
+        Self {
+            scene: scene.into(),
+            load: Arc::new(load),
+            options: Options::default(),
+            exposure_ev: 0.0,
+            camera: None,
+            present: PresentMode::Fifo,
+            frames_in_flight: 2,
+            device: None,
+            validate: false,
+            script: None,
+            tell: Box::new(|message| log::warn!("{message}")),
+        }
+    }
+
+    /// Opens the window, and returns when it is closed.
+    ///
+    /// # Errors
+    /// What loading the scene, making the device and drawing may say; [`Error::Unsupported`] where no window can be opened, or
+    /// if the validation layer said something.
+    ///
+    /// # Panics
+    /// As [`EventLoop::new`]: when called from another thread than the main one, where the system does not allow that.
+    pub fn run(self) -> Result<()> {
+        let events = EventLoop::new().map_err(|e| no_window(&e))?;
+        self.run_on(events)
+    }
+
+    /// As [`Self::run`], with the system's event loop.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_on(self, events: EventLoop<()>) -> Result<()> {
+        let scene = (self.load)(&self.scene)?;
+        // A camera that is not there is told before there is a window.
+        scene.camera(self.camera.as_deref().unwrap_or("0"))?;
+        let mut app = app::App::new(self, scene, events.create_proxy());
+        let ran = events.run_app(&mut app).map_err(|e| no_window(&e));
+        let done = app.finish();
+        ran.and(done)
+    }
+}
+
+fn no_window(error: &dyn std::error::Error) -> Error {
+    // Before the reason winit says where in its source it is.
+    let told = error.to_string();
+    let reason = told.rsplit(": ").next().unwrap_or(&told);
+    Error::unsupported(
+        format!("no window can be opened: {reason}"),
+        "run in a desktop session (X11 or Wayland), or use 'ontile render'",
+    )
+}

@@ -1,0 +1,158 @@
+//! What is done to a window in the place of a user, one command a line.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use crate::{Error, Result};
+
+/// Commands that a window carries out, one after the other, and closes itself after the last one.
+///
+/// One command a line; what follows `#` is a comment.
+///
+/// | command | |
+/// |---|---|
+/// | `frames N` | shows N frames |
+/// | `size WxH` | makes the window so many pixels large; `0x0` is as if it were minimised |
+/// | `open FILE` | opens a scene, and goes on when that is done or has failed |
+/// | `set OPTION VALUE` | sets one of the [`Options`](crate::plan::Options) by its name, as [`Options::set`](crate::plan::Options::set) |
+/// | `camera N\|NAME` | looks from one of the scene's cameras |
+/// | `exposure EV` | sets the exposure, stops |
+/// | `drag X Y` | turns the camera as if a pointer went so many pixels to the right and down |
+/// | `screenshot FILE` | shows a frame and writes it |
+/// | `live FILE` | writes what exists on the device as JSON: the number of objects by kind, and their memory |
+/// | `suspend`, `resume` | as if the system took the window's surface, and gave it back |
+/// | `stay` | leaves the window to the user |
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Script {
+    pub(super) steps: Vec<Step>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Step {
+    Frames(u32),
+    Size([u32; 2]),
+    Open(PathBuf),
+    Set(String, String),
+    Camera(String),
+    Exposure(f32),
+    Drag([f32; 2]),
+    Screenshot(PathBuf),
+    Live(PathBuf),
+    Suspend,
+    Resume,
+    Stay,
+}
+
+impl Script {
+    /// Reads a script's file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be read, [`Error::Input`] that names the line that is no command.
+    pub fn load(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read", e))?;
+        Self::parse(&text).map_err(|(line, problem)| {
+            Error::input(
+                path,
+                format!("line {line}"),
+                problem,
+                "write one of the commands of 'ontile view --help'",
+            )
+        })
+    }
+
+    /// The line, from 1, and what is wrong with it.
+    fn parse(text: &str) -> Result<Self, (usize, String)> {
+        let mut steps = Vec::new();
+        for (number, line) in (1..).zip(text.lines()) {
+            let line = line.split('#').next().unwrap_or_default().trim();
+            if !line.is_empty() {
+                steps.push(step(line).map_err(|problem| (number, problem))?);
+            }
+        }
+        Ok(Self { steps })
+    }
+}
+
+fn step(line: &str) -> Result<Step, String> {
+    let (command, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+    let rest = rest.trim();
+    let needs = |what: &str| format!("'{command}' needs {what}");
+    let file = || if rest.is_empty() { Err(needs("a file")) } else { Ok(PathBuf::from(rest)) };
+    let alone = |step| if rest.is_empty() { Ok(step) } else { Err(format!("'{command}' stands alone")) };
+    match command {
+        "frames" => rest.parse().map(Step::Frames).map_err(|_| needs("a number of frames")),
+        "size" => {
+            let sides = rest.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+            sides
+                .filter(|s| s.iter().all(|n| *n <= 32768))
+                .map(Step::Size)
+                .ok_or_else(|| needs("a size like 640x360"))
+        }
+        "open" => file().map(Step::Open),
+        "set" => {
+            let pair = rest.split_once(char::is_whitespace);
+            let (name, value) = pair.ok_or_else(|| needs("an option and its value"))?;
+            Ok(Step::Set(name.into(), value.trim().into()))
+        }
+        "camera" if rest.is_empty() => Err(needs("a camera's number or name")),
+        "camera" => Ok(Step::Camera(rest.into())),
+        "exposure" => number(rest).map(Step::Exposure).ok_or_else(|| needs("a number of stops")),
+        "drag" => {
+            let pair = rest.split_once(char::is_whitespace);
+            let pair = pair.and_then(|(x, y)| Some([number(x)?, number(y.trim())?]));
+            pair.map(Step::Drag).ok_or_else(|| needs("two numbers of pixels"))
+        }
+        "screenshot" => file().map(Step::Screenshot),
+        "live" => file().map(Step::Live),
+        "suspend" => alone(Step::Suspend),
+        "resume" => alone(Step::Resume),
+        "stay" => alone(Step::Stay),
+        _ => Err(format!("there is no command '{command}'")),
+    }
+}
+
+fn number(text: &str) -> Option<f32> {
+    f32::from_str(text).ok().filter(|number| number.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_commands() {
+        let text = "size 640x360 # at first\n\n  frames 3\nset layout packed128\nopen a b.glb\ncamera 1\nexposure -1.5\n\
+                    drag 10 -4\nscreenshot o.png\nlive l.json\nsuspend\nresume\nstay\n";
+        let expected = [
+            Step::Size([640, 360]),
+            Step::Frames(3),
+            Step::Set("layout".into(), "packed128".into()),
+            Step::Open("a b.glb".into()),
+            Step::Camera("1".into()),
+            Step::Exposure(-1.5),
+            Step::Drag([10.0, -4.0]),
+            Step::Screenshot("o.png".into()),
+            Step::Live("l.json".into()),
+            Step::Suspend,
+            Step::Resume,
+            Step::Stay,
+        ];
+        assert_eq!(Script::parse(text).unwrap().steps, expected);
+        for (text, problem) in [
+            ("frames", "needs a number"),
+            ("frames -1", "needs a number"),
+            ("size 3", "a size like"),
+            ("size 3x99999", "a size like"),
+            ("open", "needs a file"),
+            ("set layout", "an option and its value"),
+            ("camera", "number or name"),
+            ("exposure nan", "number of stops"),
+            ("drag 1", "two numbers"),
+            ("stay here", "stands alone"),
+            ("jump", "no command 'jump'"),
+        ] {
+            let (line, told) = Script::parse(&format!("# one\n{text}")).unwrap_err();
+            assert!(line == 2 && told.contains(problem), "{text}: {told}");
+        }
+    }
+}

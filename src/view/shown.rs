@@ -1,0 +1,71 @@
+//! A scene and what draws it.
+
+use std::sync::Arc;
+
+use crate::Result;
+use crate::gpu::{
+    Commands, Device, PipelineCache, Renderer, RendererConfig, Swapchain, Target, expected_advice,
+};
+use crate::plan::{Needs, Options, OutputUse, Plan};
+use crate::scene::Scene;
+
+/// A scene, its renderer and, where there is a window to draw to, the target of its images. Dropped when no frame is on the GPU.
+pub(super) struct Shown {
+    // In order of destruction.
+    pub(super) target: Option<Target>,
+    pub(super) renderer: Renderer,
+    pub(super) scene: Arc<Scene>,
+    /// What the validation layer may say of the plan.
+    pub(super) excused: Vec<&'static str>,
+}
+
+impl Shown {
+    /// Makes all that draws a scene to a window, and uploads it.
+    pub(super) fn new(
+        device: &Device,
+        cache: &PipelineCache,
+        scene: &Arc<Scene>,
+        options: &Options,
+        swapchain: &Swapchain,
+        frames_in_flight: usize,
+    ) -> Result<Self> {
+        let options = of_window(options, swapchain);
+        let plan = Plan::new(Needs::of(scene), options, &device.limits())?;
+        let excused = expected_advice(&plan);
+        let config = RendererConfig { frames_in_flight, ..RendererConfig::default() };
+        let mut renderer = Renderer::new(device, scene, plan, config, cache)?;
+        Commands::run(device, "upload", |recorder| {
+            renderer.record_upload(recorder);
+            Ok(())
+        })?;
+        renderer.finish_upload();
+        let mut shown = Self { target: None, renderer, scene: Arc::clone(scene), excused };
+        shown.fit(swapchain)?;
+        Ok(shown)
+    }
+
+    /// Whether its plan is for images like these.
+    pub(super) fn suits(&self, swapchain: &Swapchain) -> bool {
+        let options = &self.renderer.plan().options;
+        (options.output, options.output_is_input_attachment)
+            == (swapchain.format(), swapchain.is_input_attachment())
+    }
+
+    /// Makes the target of these images; no frame to the former one is on the GPU.
+    pub(super) fn fit(&mut self, swapchain: &Swapchain) -> Result<()> {
+        self.target = None;
+        self.target = Some(self.renderer.create_target(swapchain.size(), &swapchain.outputs())?);
+        Ok(())
+    }
+}
+
+/// The options as the window has them.
+fn of_window(options: &Options, swapchain: &Swapchain) -> Options {
+    Options {
+        size: swapchain.size(),
+        output: swapchain.format(),
+        output_use: OutputUse::Present,
+        output_is_input_attachment: swapchain.is_input_attachment(),
+        ..options.clone()
+    }
+}

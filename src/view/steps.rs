@@ -1,0 +1,163 @@
+//! A script as it runs.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use glam::DVec2;
+use winit::dpi::PhysicalSize;
+use winit::event_loop::ActiveEventLoop;
+
+use super::app::App;
+use super::hand;
+use super::script::{Script, Step};
+use crate::{Error, Result};
+
+/// The commands that are left, and what is waited for.
+#[derive(Debug, Default)]
+pub(super) struct Steps {
+    left: VecDeque<Step>,
+    wait: Option<Wait>,
+    /// The file of a picture that the next frame is to be.
+    shot: Option<PathBuf>,
+    /// The window closes after the last command.
+    closes: bool,
+}
+
+#[derive(Debug)]
+enum Wait {
+    Frames(u32),
+    Shot,
+    Loading,
+    Size([u32; 2], Instant),
+}
+
+/// How long a window is waited for to take a size.
+const MOST_WAIT: Duration = Duration::from_secs(10);
+
+impl Steps {
+    pub(super) fn new(script: Option<Script>) -> Self {
+        let closes = script.is_some();
+        let left = script.unwrap_or_default().steps.into();
+        Self { left, closes, ..Self::default() }
+    }
+
+    /// Whether something is still to be done.
+    pub(super) fn are_left(&self) -> bool {
+        self.closes || self.shot.is_some()
+    }
+
+    /// Wants the next frame as a picture.
+    pub(super) fn want_shot(&mut self, path: PathBuf) {
+        self.shot = Some(path);
+    }
+
+    pub(super) fn shot(&self) -> Option<&Path> {
+        self.shot.as_deref()
+    }
+
+    /// A frame is on its way; the picture was written if one was wanted.
+    pub(super) fn frame_drawn(&mut self) {
+        self.shot = None;
+        if matches!(self.wait, Some(Wait::Shot)) {
+            self.wait = None;
+        }
+        self.frame_passed();
+    }
+
+    /// It was time for a frame, drawn or not.
+    pub(super) fn frame_passed(&mut self) {
+        if let Some(Wait::Frames(left)) = &mut self.wait {
+            *left = left.saturating_sub(1);
+        }
+    }
+}
+
+impl App {
+    /// Carries out commands until one has to be waited for.
+    pub(super) fn run_steps(&mut self, events: &ActiveEventLoop) -> Result<()> {
+        // Until there is a frame there is nothing to command.
+        let has_begun = self.open.as_ref().is_some_and(|open| open.frames.shown().is_some());
+        if !has_begun || !self.steps.closes {
+            return Ok(());
+        }
+        loop {
+            match &self.steps.wait {
+                Some(Wait::Frames(0)) | None => {}
+                Some(Wait::Loading) if !self.is_loading() => {}
+                Some(Wait::Size(size, since)) => {
+                    if self.open.as_ref().and_then(|open| open.frames.size()) != Some(*size) {
+                        if since.elapsed() > MOST_WAIT {
+                            let [width, height] = size;
+                            return Err(Error::unsupported(
+                                format!("the window does not take the size {width}x{height}"),
+                                "ask for one that the screen has room for",
+                            ));
+                        }
+                        return Ok(());
+                    }
+                }
+                Some(_) => return Ok(()),
+            }
+            self.steps.wait = None;
+            let Some(step) = self.steps.left.pop_front() else {
+                events.exit();
+                return Ok(());
+            };
+            self.run_step(step, events)?;
+            if !self.steps.closes {
+                return Ok(());
+            }
+        }
+    }
+
+    fn run_step(&mut self, step: Step, events: &ActiveEventLoop) -> Result<()> {
+        match step {
+            Step::Frames(count) => self.steps.wait = Some(Wait::Frames(count)),
+            Step::Size([0, _] | [_, 0]) => {
+                self.is_minimised = true;
+                self.open.iter_mut().for_each(|open| open.frames.outdate());
+            }
+            Step::Size(size) => {
+                let Some(open) = &mut self.open else { return Ok(()) };
+                if std::mem::take(&mut self.is_minimised) {
+                    open.frames.outdate();
+                }
+                let [width, height] = size;
+                let _ = open.window.request_inner_size(PhysicalSize::new(width, height));
+                self.steps.wait = Some(Wait::Size(size, Instant::now()));
+            }
+            Step::Open(path) => {
+                self.load(&path);
+                self.steps.wait = Some(Wait::Loading);
+            }
+            Step::Set(name, value) => {
+                let mut options = self.viewer.options.clone();
+                match options.set(&name, &value) {
+                    Ok(()) => self.set_options(options),
+                    Err(error) => self.tell(&error),
+                }
+            }
+            Step::Camera(wanted) => self.set_camera(&wanted)?,
+            Step::Exposure(ev) => self.viewer.exposure_ev = ev,
+            Step::Drag([x, y]) => {
+                let size = self.open.as_ref().and_then(|open| open.frames.size());
+                let [_, height] = size.unwrap_or(self.viewer.options.size);
+                hand::turn(&mut self.rig, DVec2::new(x.into(), y.into()), height.into());
+            }
+            Step::Screenshot(path) => {
+                self.steps.want_shot(path);
+                self.steps.wait = Some(Wait::Shot);
+            }
+            Step::Live(path) => {
+                if let Some(open) = &self.open {
+                    open.frames.write_live(&path)?;
+                }
+            }
+            Step::Suspend => self.suspend(events),
+            Step::Resume => self.resume(events),
+            Step::Stay => self.steps.closes = false,
+        }
+        Ok(())
+    }
+}

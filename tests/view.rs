@@ -1,0 +1,151 @@
+//! `ontile view` in a real window: an X server without a screen, lavapipe, the validation layer.
+
+#![cfg(all(feature = "cli", feature = "view", target_os = "linux"))]
+
+mod common;
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use common::ignored_unless_required;
+use common::render::{LAVAPIPE, difference};
+use ontile::picture::Picture;
+
+/// An X server of the test's own.
+struct Screen {
+    server: Child,
+    display: String,
+}
+
+impl Screen {
+    /// `None`, and said so, where there is no such server.
+    fn new() -> Option<Self> {
+        let server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn();
+        let mut server = match server {
+            Ok(server) => server,
+            Err(error) => {
+                ignored_unless_required(&format!("no Xvfb: {error}"));
+                return None;
+            }
+        };
+        // It tells its number once it listens.
+        let mut number = String::new();
+        let out = server.stdout.take().expect("it is piped");
+        BufReader::new(out).read_line(&mut number).expect("Xvfb tells its display");
+        Some(Self { server, display: format!(":{}", number.trim()) })
+    }
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+fn asset(name: &str) -> String {
+    let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "assets", name].iter().collect();
+    path.to_str().expect("its name is text").to_owned()
+}
+
+/// Runs the program; what it said on standard error.
+#[track_caller]
+fn ontile(folder: &Path, display: &str, args: &[&str]) -> String {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ontile"));
+    command.args(args).args(["--device", LAVAPIPE]).current_dir(folder);
+    command.env("DISPLAY", display).env_remove("WAYLAND_DISPLAY");
+    let output = command.output().expect("the program runs");
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{args:?}: {told}");
+    told
+}
+
+/// Runs a script in a window under the validation layer.
+#[track_caller]
+fn view(folder: &Path, display: &str, script: &str, args: &[&str]) -> String {
+    std::fs::write(folder.join("script.txt"), script).expect("the folder takes files");
+    ontile(folder, display, &[&["view"], args, &["--script", "script.txt", "--validate"]].concat())
+}
+
+#[test]
+fn the_window_shows_the_picture_of_render() {
+    let Some(screen) = Screen::new() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |name: &str| Picture::read(&folder.path().join(name)).unwrap();
+    let cases: [(&str, &[&str]); 6] = [
+        ("lamps.glb", &[]),
+        ("lamps.glb", &["--strategy", "separate", "--layout", "packed128", "--samples", "4"]),
+        ("glass.glb", &["--present", "immediate", "--frames-in-flight", "3"]),
+        ("chapel.glb", &["--shadow-map", "1024", "--no-recycle"]),
+        ("decals.glb", &["--edge-filter"]),
+        ("lamps.glb", &["--exposure", "1", "--dither", "--lights", "clusters"]),
+    ];
+    for (name, options) in cases {
+        let scene = asset(name);
+        let args = [&[scene.as_str(), "--size", "160x90"], options].concat();
+        let told = view(folder.path(), &screen.display, "frames 4\nscreenshot window.png", &args);
+        assert_eq!(told, "", "{args:?}");
+        let of_window = ["--present", "immediate", "fifo", "--frames-in-flight", "3"];
+        let rest: Vec<_> = args.iter().copied().filter(|arg| !of_window.contains(arg)).collect();
+        ontile(folder.path(), "", &[&["render"], &rest[..], &["-o", "render.png"]].concat());
+        let difference = difference(&picture("window.png"), &picture("render.png"));
+        assert_eq!(difference, None, "{args:?}");
+    }
+}
+
+#[test]
+fn without_a_screen_it_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ontile"));
+    command.args(["view", &asset("unlit.glb")]).current_dir(folder.path());
+    let output = command.env("DISPLAY", ":65000").env_remove("WAYLAND_DISPLAY").output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.starts_with("ontile: no window can be opened: ") && told.lines().count() == 1, "{told}");
+}
+
+/// Sizes, none at all, surfaces taken away, scenes and options that change, some of which cannot be: all as before in the end.
+#[test]
+fn what_a_window_goes_through_leaves_nothing_behind() {
+    let Some(screen) = Screen::new() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let [lamps, unlit] = ["lamps.glb", "unlit.glb"].map(asset);
+    let begin = "frames 3\n";
+    let mut script = format!("{begin}screenshot before.png\nlive before.json\n");
+    for i in 0_u32..60 {
+        let [width, height] = [1 + 37 * i % 400, 1 + 53 * i % 300];
+        script += &format!("size {width}x{height}\nframes {}\n", i % 3);
+        if i % 10 == 0 {
+            script += "size 0x0\nframes 2\nsuspend\nframes 1\nresume\n";
+        }
+    }
+    script += "size 160x90\nopen none.glb\nset samples 3\nset lamps 1\n";
+    for i in 0..SCENE_CHANGES {
+        script += &format!("open {}\nframes {}\n", if i % 2 == 0 { &unlit } else { &lamps }, i % 3);
+    }
+    for (name, value, again) in [("layout", "packed128", "metallic128"), ("samples", "4", "1")] {
+        script += &format!("set {name} {value}\nframes 1\nset {name} {again}\n");
+    }
+    script += &format!("{begin}screenshot after.png\nlive after.json\ndrag 30 10\nscreenshot turned.png\n");
+    let told = view(folder.path(), &screen.display, &script, &[&lamps, "--size", "160x90"]);
+    let lines: Vec<_> = told.lines().collect();
+    assert_eq!(lines.len(), 3, "{told}");
+    for (line, part) in lines.iter().zip(["none.glb: cannot read", "3 samples", "no option 'lamps'"]) {
+        assert!(line.contains(part), "{line}");
+    }
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert!(read("before.json").contains("\"swapchain_khr\":1"), "{}", read("before.json"));
+    assert_eq!(read("after.json"), read("before.json"));
+    let picture = |name: &str| Picture::read(&folder.path().join(name)).unwrap();
+    assert_eq!(difference(&picture("after.png"), &picture("before.png")), None);
+    assert!(difference(&picture("turned.png"), &picture("before.png")).is_some(), "a drag turns the camera");
+}
+
+/// Each makes a plan, pipelines and buffers.
+const SCENE_CHANGES: usize = 200;
