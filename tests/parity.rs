@@ -130,15 +130,12 @@ fn arrangements_do_not_change_the_pixels_of_any_translucency() {
 #[test]
 fn arrangements_do_not_change_the_pixels_of_refraction() {
     on_device(None, |gpu| {
-        for scene in scenes::media_scenes::all() {
-            for layout in [Layout::Metallic128, Layout::Packed128, Layout::Ontile128, Layout::Thibieroz128] {
-                let refraction = Refraction::Pass;
-                check_variants(
-                    gpu,
-                    &scene,
-                    &Options { size: SIZE, layout, refraction, ..Options::default() },
-                );
-            }
+        let layouts = [Layout::Metallic128, Layout::Packed128, Layout::Ontile128, Layout::Thibieroz128];
+        let bent = Options { size: SIZE, refraction: Refraction::Pass, ..Options::default() };
+        for (layout, scene) in
+            layouts.into_iter().flat_map(|l| scenes::media_scenes::all().into_iter().map(move |s| (l, s)))
+        {
+            check_variants(gpu, &scene, &Options { layout, ..bent.clone() });
         }
     });
 }
