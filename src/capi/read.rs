@@ -49,6 +49,7 @@ impl OntileMesh {
                 colors: vectors(optional(self.colors, count(4)?), Vec4::from_array),
                 indices: list(self.indices, self.index_count, "mesh.indices")?.to_vec(),
                 material: index::<Material>(world, self.material, "mesh.material")?,
+                deformation: None,
             })
         }
     }
