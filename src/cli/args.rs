@@ -212,16 +212,14 @@ pub struct PlanArgs {
     /// How far bloom reaches, as a share of the picture's shorter side, above 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, allow_negative_numbers = true)]
     pub bloom_radius: f32,
-    /// Smooth edges that depth and normals of neighbours show, in a pass after the frame's own, for which they are stored
-    /// [default: off]
+    /// Smooth edges that neighbours' depth and normals show, which are stored for a pass after the frame's own [default: off]
     #[arg(long)]
     pub edge_filter: bool,
     /// Hard shadows, exact to the pixel, by counting the spaces behind what faces a light in the stencil, on the tile, in place of
     /// shadow maps: for directional, point and spot lights without alpha masks in their reach [default: off]
     #[arg(long)]
     pub shadow_volumes: bool,
-    /// Whether water and glass bend what is behind them: none, or pass, a second render pass that samples what is opaque, which is
-    /// stored for it with its depth (the plan tells the price)
+    /// Whether water and glass bend what is behind them: none, or in a second pass, for which that is stored with its depth
     #[arg(long, value_name = "NAME", default_value_t = Refraction::None, value_parser = named(Refraction::ALL, Refraction::name))]
     pub refraction: Refraction,
 }
