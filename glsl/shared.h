@@ -30,6 +30,10 @@
 #define BINDING_PARTICLES 23
 // Beside input attachments: scattered light that the tone curve mixes in.
 #define BINDING_BLOOM 24
+// What meshes that bend are posed from, and what is written of them.
+#define BINDING_REST 25
+#define BINDING_POSES 26
+#define BINDING_POSED 27
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 #define BINDING_MEDIUM 2

@@ -67,6 +67,10 @@ fn pictures_look_as_expected() {
         all.push(("every_feature_4_samples".into(), scenes::every_feature(), samples.clone()));
         all.push(("stop_4_samples".into(), scenes::tram_stop(), samples));
         all.push(("lamps_bloom".into(), lamps, bloom));
+        let moving = scenes::shipped_files().into_iter().find(|file| file.ends_with("charmer.glb"));
+        let moving = Scene::load_moving(&moving.expect("it is shipped")).expect("it loads");
+        let moving = scenes::moving_scenes::moved(moving, 1.3);
+        all.push(("charmer_moving".into(), moving, Options { size: SIZE, ..Options::default() }));
         for (name, scene, options) in all {
             let mut offscreen = gpu.offscreen(&scene, gpu.plan(&scene, options), RendererConfig::default());
             let view = View { camera: &scene.cameras[0], exposure_ev: 0.0 };

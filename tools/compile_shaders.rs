@@ -82,6 +82,7 @@ fn compile(
     let kind = match module.stage() {
         Stage::Vertex => shaderc::ShaderKind::Vertex,
         Stage::Fragment => shaderc::ShaderKind::Fragment,
+        Stage::Compute => shaderc::ShaderKind::Compute,
     };
     let text = std::fs::read_to_string(glsl.join(module.source()))?;
     let artifact = compiler

@@ -29,6 +29,7 @@ embed![
     "particle_samples.frag",
     "peel.frag",
     "peel_samples.frag",
+    "pose.comp",
     "shadow.vert",
     "shadow_compose.frag",
     "shadow_volume.vert",

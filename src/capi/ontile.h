@@ -621,6 +621,23 @@ enum OntileResult ontile_pipeline_cache_blob(const struct OntilePipelineCache *c
 /// Destroys a cache; null is none.
 void ontile_pipeline_cache_destroy(struct OntilePipelineCache *cache);
 
+/// As ontile_world_load, but what the file's animations move is where ontile_world_animate puts it. A file without animations is loaded
+/// as there.
+enum OntileResult ontile_world_load_moving(const char *path,
+                                           struct OntileWorld **world);
+
+/// The animations of a world, a line each: how many seconds it takes, a space, its name. The n-th line is animation n, from 0. With `lines`
+/// null it writes their size in bytes; else as much as `size` has room for, and how much that was. There is no zero at the end.
+enum OntileResult ontile_world_animations(const struct OntileWorld *world,
+                                          size_t *size,
+                                          char *lines);
+
+/// Moves all that the animation moves to where it is after so many seconds; ontile_renderer_update brings renderers there. Nothing repeats:
+/// after the last key it stays. Cameras that move are read by ontile_world_camera.
+enum OntileResult ontile_world_animate(struct OntileWorld *world,
+                                       size_t animation,
+                                       double time_s);
+
 /// Makes options that leave everything as it is by default.
 enum OntileResult ontile_options_create(struct OntileOptions **options);
 
@@ -730,6 +747,23 @@ enum OntileResult ontile_world_set_environment(struct OntileWorld *world, const 
 
 /// Once every renderer of the world was made or updated: forgets what was done to it.
 enum OntileResult ontile_world_clear_changes(struct OntileWorld *world);
+
+/// As ontile_world_load, but what the file's animations move is where ontile_world_animate puts it. A file without animations is loaded
+/// as there.
+enum OntileResult ontile_world_load_moving(const char *path,
+                                           struct OntileWorld **world);
+
+/// The animations of a world, a line each: how many seconds it takes, a space, its name. The n-th line is animation n, from 0. With `lines`
+/// null it writes their size in bytes; else as much as `size` has room for, and how much that was. There is no zero at the end.
+enum OntileResult ontile_world_animations(const struct OntileWorld *world,
+                                          size_t *size,
+                                          char *lines);
+
+/// Moves all that the animation moves to where it is after so many seconds; ontile_renderer_update brings renderers there. Nothing repeats:
+/// after the last key it stays. Cameras that move are read by ontile_world_camera.
+enum OntileResult ontile_world_animate(struct OntileWorld *world,
+                                       size_t animation,
+                                       double time_s);
 
 /// Makes options that leave everything as it is by default.
 enum OntileResult ontile_options_create(struct OntileOptions **options);

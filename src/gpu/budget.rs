@@ -7,6 +7,7 @@ use super::light_lists::LightLists;
 use super::lights::Lights;
 use super::objects::Objects;
 use super::particles::SceneParticles;
+use super::poses::Poses;
 use super::scene_data::{streams, texture_bytes};
 use super::shadow::caster_count;
 use super::shared::{
@@ -50,6 +51,7 @@ impl MemoryBudget {
             true => [0; 2],
             false => VolumeCasters::bytes(scene),
         };
+        let poses = Poses::bytes(scene, &streams, !plan.volume_lights.is_empty());
         let of = |count: usize, bytes: usize| (count * bytes) as u64;
         let instances = of(objects.count(), size_of::<InstanceData>());
         let rects =
@@ -79,6 +81,7 @@ impl MemoryBudget {
             ("frame data", slots * frame),
             ("shadow maps", shadows),
             ("shadow volumes", volumes[0] + slots * volumes[1]),
+            ("poses", poses[0] + slots * poses[1]),
             ("surroundings", plan.around.iter().map(|image| image.bytes).sum()),
             ("globe maps", globes.map_or(0, |layers| layers.texels.len() as u64)),
         ];

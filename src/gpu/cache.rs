@@ -5,6 +5,7 @@
 
 use super::pass::VulkanPass;
 use super::pipeline::Pipelines;
+use super::poses::prepare_poses;
 use super::post::PostPasses;
 use super::shadow::prepare_casters;
 use super::{Called, Caps, Device, Owned};
@@ -65,6 +66,7 @@ impl PipelineCache {
             plan.passes.iter().map(|pass| VulkanPass::new(device, plan, pass)).collect::<Result<_>>()?;
         let pipelines = Pipelines::new(device, plan, &passes, self)?;
         PostPasses::new(device, plan, &pipelines, self)?;
+        plan.needs.posed.as_ref().map_or(Ok(()), |_| prepare_poses(device, self))?;
         plan.shadow_map.as_ref().map_or(Ok(()), |map| prepare_casters(device, map, self))
     }
 

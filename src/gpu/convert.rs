@@ -11,6 +11,11 @@ pub(super) fn instance(world_from_object: &glam::Mat4) -> InstanceData {
     InstanceData { world_from_object_rows: [m.row(0), m.row(1), m.row(2)].map(|r| r.to_array()) }
 }
 
+pub(super) fn placement(instance: &InstanceData) -> glam::Mat4 {
+    let [x, y, z] = instance.world_from_object_rows;
+    glam::Mat4::from_cols_array_2d(&[x, y, z, [0.0, 0.0, 0.0, 1.0]]).transpose()
+}
+
 pub(super) fn material(m: &Material) -> MaterialData {
     let cutoff = match m.alpha_mode {
         AlphaMode::Opaque | AlphaMode::Blend => 0.0,

@@ -159,11 +159,15 @@ impl Geometry {
                 Buffer::new(device, &BufferDesc { name, bytes, usage, memory: MemoryUse::Device }).map(Some)
             }
         };
-        let vertices = buffer("vertices", plan.vertex_bytes, vk::BufferUsageFlags::VERTEX_BUFFER)?;
+        let bends = meshes.iter().zip(streams).any(|(mesh, s)| s.is_some() && mesh.deformation.is_some());
+        // Those of meshes that bend are written where they are posed.
+        let written =
+            if bends { vk::BufferUsageFlags::STORAGE_BUFFER } else { vk::BufferUsageFlags::empty() };
+        let usage = vk::BufferUsageFlags::VERTEX_BUFFER | written;
+        let vertices = buffer("vertices", plan.vertex_bytes, usage)?;
         let indices = buffer("indices", plan.index_bytes, vk::BufferUsageFlags::INDEX_BUFFER)?;
         for ((mesh, range), _) in meshes.iter().zip(&plan.meshes).zip(streams).filter(|(_, s)| s.is_some()) {
             let group = &plan.groups[range.group];
-            let mesh = &*mesh.posed();
             if let Some(vertices) = &vertices {
                 for ((kind, format), start) in group.streams.list().into_iter().zip(&group.offsets_bytes) {
                     let stride = u64::from(super::texel_bytes(format)?);

@@ -47,6 +47,7 @@ mod owned;
 mod particles;
 mod pass;
 mod pipeline;
+mod poses;
 mod post;
 #[cfg(feature = "view")]
 mod presenter;

@@ -6,7 +6,7 @@ use super::convert;
 use super::scene_data::{surface, vertex_streams};
 use super::shared::InstanceData;
 use crate::plan::{Path, Pipeline, Plan, SceneKinds, SurfaceKind};
-use crate::scene::{Aabb, Instance, Scene};
+use crate::scene::{Aabb, Scene};
 use crate::visible::{Distances, DrawOrder, Reach, Sight, sort_key, sorted_index};
 use crate::{Error, Result};
 use glam::{Mat4, Vec4};
@@ -40,6 +40,7 @@ struct Placed {
     bounds_world: Aabb,
     bounds_object: Aabb,
     mirrored: bool,
+    dynamic: bool,
 }
 
 impl Placed {
@@ -53,7 +54,6 @@ impl Placed {
 struct Element {
     /// Index into `Objects::placed`; `None` without triangles.
     placed: Option<usize>,
-    dynamic: bool,
 }
 
 /// All objects that have triangles, by batch.
@@ -95,8 +95,7 @@ impl Objects {
         let bounds: Vec<_> = scene.meshes.iter().map(|mesh| mesh.bounds()).collect();
         let mut batches: Vec<Batch> = Vec::new();
         let mut placed = Vec::with_capacity(order.len());
-        let element = |instance: &Instance| Element { placed: None, dynamic: instance.dynamic };
-        let mut elements: Vec<_> = scene.instances.iter().map(element).collect();
+        let mut elements: Vec<_> = scene.instances.iter().map(|_| Element { placed: None }).collect();
         for (.., pipeline, material, mesh, index) in order {
             let first = placed.len();
             let instance = &scene.instances[index];
@@ -110,6 +109,7 @@ impl Objects {
                 bounds_world: bounds_object.transformed(&instance.world_from_object),
                 bounds_object,
                 mirrored: instance.is_mirrored(),
+                dynamic: instance.dynamic,
             });
             match batches.last_mut() {
                 Some(last) if (last.pipeline, last.mesh) == (pipeline, mesh) => last.placed.end += 1,
@@ -217,8 +217,19 @@ impl Objects {
             ));
         }
         placed.place(world_from_object);
-        self.static_moves += u64::from(!element.dynamic);
+        self.static_moves += u64::from(!placed.dynamic);
         Ok(())
+    }
+
+    /// A mesh has these bounds now.
+    pub(super) fn set_bounds(&mut self, mesh: usize, bounds_object: &Aabb) {
+        for batch in self.batches.iter().filter(|batch| batch.mesh == mesh) {
+            for placed in &mut self.placed[batch.placed.clone()] {
+                placed.bounds_object = *bounds_object;
+                placed.bounds_world = bounds_object.transformed(&convert::placement(&placed.data));
+                self.static_moves += u64::from(!placed.dynamic);
+            }
+        }
     }
 
     /// How often an object that is not dynamic was moved: what was made of static objects is out of date when this
@@ -304,7 +315,7 @@ fn states(plan: &Plan, batches: &[Batch]) -> Vec<[usize; 4]> {
 mod tests {
     use super::*;
     use crate::plan::{Limits, Needs, Options};
-    use crate::scene::{AlphaMode, Camera, Material, Mesh, Projection};
+    use crate::scene::{AlphaMode, Camera, Instance, Material, Mesh, Projection};
     use glam::{Vec3, vec3};
 
     /// What is masked comes last, however near; in front of it the nearest batch first, and in each the nearest object.

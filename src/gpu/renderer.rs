@@ -16,6 +16,7 @@ use glam::Mat4;
 use super::fragments::{DrawCount, FragmentQueries};
 use super::pass::VulkanPass;
 use super::pipeline::Pipelines;
+use super::poses::Poses;
 use super::post::PostPasses;
 use super::scene_data::SceneData;
 use super::shadow::{RecordedShadows, ShadowResources, Shadows};
@@ -24,7 +25,7 @@ use super::{
     Device, Image, OutputImage, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
 };
 use crate::plan::{FrameCounts, MergeReport, Needs, OutputUse, Plan, State, Usage};
-use crate::scene::{Changes, Decal, Light, Particle, Scene};
+use crate::scene::{Changes, Decal, Light, Particle, Pose, Scene};
 use crate::{Error, Result};
 use record::Frame;
 use retired::Retired;
@@ -174,7 +175,7 @@ impl Renderer {
             &pipelines,
             resources.as_ref(),
             slot_count,
-            (&mut upload, kept_data),
+            (&mut upload, cache, kept_data),
         )?;
         let shadows = map.zip(resources).map(|(map, resources)| {
             let most = config.shadow_tiles_per_frame;
@@ -322,6 +323,23 @@ impl Renderer {
         Ok(())
     }
 
+    /// Poses the scene's mesh `index`, which [bends](crate::scene::Mesh::deformation), for the frames recorded from now on: the next one
+    /// poses it before all else.
+    ///
+    /// Instances of it that are not [dynamic](crate::scene::Instance::dynamic) count as moved.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the pose is of other joints or morph targets than the mesh's, or a number is not finite. Nothing is
+    /// changed then.
+    pub fn set_pose(&mut self, index: usize, pose: &Pose) -> Result<()> {
+        if let Some(bounds) = self.scene.set_pose(index, pose)?
+            && let Some(shadows) = &mut self.shadows
+        {
+            shadows.set_bounds(index, &bounds);
+        }
+        Ok(())
+    }
+
     /// How often an instance that is not dynamic was moved so far.
     pub fn static_moves(&self) -> u64 {
         self.scene.objects().static_moves()
@@ -368,9 +386,10 @@ impl Renderer {
         self.shadows.as_ref().and_then(Shadows::image)
     }
 
-    /// Draws the shadow map anew with the next frame. Maps are kept on the assumption that the GPU executes every frame that
+    /// Draws the shadow map anew with the next frame, and poses meshes anew. Both are kept on the assumption that the GPU executes every frame that
     /// was recorded, in the order of recording; a host that drops one says so here.
     pub fn redraw_shadows(&mut self) {
+        self.scene.poses_mut().into_iter().for_each(Poses::redo);
         if let Some(shadows) = &mut self.shadows {
             shadows.redraw();
         }
@@ -413,6 +432,7 @@ impl Renderer {
             post.prepare(recorder, &self.plan);
             post.recorded(exposure);
         }
+        self.scene.poses_mut().into_iter().for_each(|poses| poses.record(recorder, slot));
         let shadows = self.shadows.as_mut().map(|s| s.record(recorder, slot, view, aspect, &self.scene));
         let shadows = shadows.unwrap_or_default();
         let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };

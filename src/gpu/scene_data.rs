@@ -2,7 +2,7 @@
 
 mod wanted;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -20,17 +20,18 @@ use super::material_data::Blocks;
 use super::meshes::Meshes;
 use super::objects::{Batch, Objects};
 use super::particles::SceneParticles;
-use super::pipeline::{Family, FamilyLayout, Pipelines};
+use super::pipeline::{Family, Pipelines};
+use super::poses::Poses;
 use super::shader::shared;
 use super::shadow::ShadowResources;
 use super::shared::{MaterialData, MediumData};
 use super::volume_casters::VolumeCasters;
-use super::{ColorEncoding, Device, Recorder, TextureKey, Textures, Upload, View};
+use super::{ColorEncoding, Device, PipelineCache, Recorder, TextureKey, Textures, Upload, View};
 use crate::Result;
 use crate::plan::{FrameCounts, Plan, StateChanges, VolumeShape};
-use crate::scene::{Changes, Scene};
+use crate::scene::{Aabb, Changes, Pose, Scene};
 use crate::visible::Reach;
-use wanted::{material_kind, material_textures, texture_keys};
+use wanted::{frame_layouts, material_kind, material_textures, media, texture_keys};
 pub(super) use wanted::{streams, surface, texture_bytes, vertex_streams};
 
 /// A scene on the device.
@@ -52,6 +53,7 @@ pub(super) struct SceneData {
     textures: Textures,
     globe_maps: Option<GlobeMaps>,
     volume_casters: Option<VolumeCasters>,
+    poses: Option<Poses>,
     around: Arc<AroundData>,
     ambient_nt: glam::Vec3,
 }
@@ -64,7 +66,7 @@ impl SceneData {
         pipelines: &Pipelines,
         shadows: Option<&ShadowResources>,
         slots: usize,
-        (upload, kept): (&mut Upload, Option<(&Self, &Changes)>),
+        (upload, cache, kept): (&mut Upload, &PipelineCache, Option<(&Self, &Changes)>),
     ) -> Result<Self> {
         let objects = Objects::new(scene, plan);
         let globes = (plan.needs.globe_maps > 0).then(|| scene.globe_layers()).transpose()?;
@@ -91,6 +93,12 @@ impl SceneData {
         let read = frame_kinds.iter().fold(0, |all, kind| all | kind);
         let counts = [objects.count(), lights.count(), decals.count(), particles.most()];
         let frames = (0..slots).map(|_| FrameData::new(device, plan, read, counts));
+        let volume_casters = match plan.volume_lights.is_empty() {
+            true => None,
+            false => VolumeCasters::new(device, upload, scene, slots)?,
+        };
+        let posed = (&meshes, volume_casters.as_ref());
+        let poses = Poses::new(device, scene, plan.needs.posed.as_ref(), posed, slots, (upload, cache))?;
         let mut data = Self {
             frame_sets: None,
             material_sets: None,
@@ -110,10 +118,8 @@ impl SceneData {
             meshes,
             textures,
             globe_maps: globes.map(|layers| GlobeMaps::new(device, upload, &layers)).transpose()?,
-            volume_casters: match plan.volume_lights.is_empty() {
-                true => None,
-                false => VolumeCasters::new(device, upload, scene, slots)?,
-            },
+            volume_casters,
+            poses,
             around,
             ambient_nt: scene.ambient_nt,
         };
@@ -159,6 +165,21 @@ impl SceneData {
             casters.set(index, world_from_object);
         }
         Ok(())
+    }
+
+    /// Poses a mesh; where it is then, object space, if it bends and is drawn.
+    pub(super) fn set_pose(&mut self, mesh: usize, pose: &Pose) -> Result<Option<Aabb>> {
+        let bounds = self.poses.as_mut().map_or(Ok(None), |poses| poses.set(mesh, pose))?;
+        if let Some(bounds) = &bounds {
+            self.objects.set_bounds(mesh, bounds);
+            self.volume_casters.iter_mut().for_each(|casters| casters.set_bounds(mesh, bounds));
+        }
+        Ok(bounds)
+    }
+
+    /// What poses meshes, if some bend.
+    pub(super) fn poses_mut(&mut self) -> Option<&mut Poses> {
+        self.poses.as_mut()
     }
 
     /// What casts shadows by volumes.
@@ -224,6 +245,7 @@ impl SceneData {
             + self.materials.as_ref().map_or(0, Blocks::allocated_bytes)
             + self.media.as_ref().map_or(0, Blocks::allocated_bytes)
             + self.volume_casters.as_ref().map_or(0, VolumeCasters::allocated_bytes)
+            + self.poses.as_ref().map_or(0, Poses::allocated_bytes)
             + self.meshes.allocated_bytes()
             + self.textures.allocated_bytes()
             + self.globe_maps.as_ref().map_or(0, GlobeMaps::allocated_bytes)
@@ -414,17 +436,6 @@ impl SceneData {
         self.material_sets = Some(sets);
         Ok(())
     }
-}
-
-/// Those of these materials that light goes through.
-fn media(scene: &Scene, materials: &BTreeSet<usize>) -> BTreeSet<usize> {
-    materials.iter().copied().filter(|&i| scene.materials[i].transmits().is_some()).collect()
-}
-
-/// A layout of each [`Family::frame`].
-fn frame_layouts(pipelines: &Pipelines) -> BTreeMap<u32, &FamilyLayout> {
-    let read = pipelines.layouts.iter().filter(|(family, _)| family.frame() != 0);
-    read.map(|(family, layout)| (family.frame(), layout)).collect()
 }
 
 /// What is bound while surfaces are drawn.

@@ -34,6 +34,8 @@ pub enum Stage {
     Vertex,
     /// Fragment shader.
     Fragment,
+    /// Compute shader.
+    Compute,
 }
 
 /// A shader module: one source each. All that sets pipelines apart are specialisation constants, G-buffer layouts included: what
@@ -112,11 +114,13 @@ pub enum Module {
     Particle,
     /// [`Self::Particle`] of several samples a pixel.
     ParticleSamples,
+    /// Poses a mesh.
+    Pose,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 36] = [
+    pub const ALL: [Self; 37] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -153,6 +157,7 @@ impl Module {
         Self::CompositeSamples,
         Self::ForwardSamples,
         Self::Backdrop,
+        Self::Pose,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -185,6 +190,7 @@ impl Module {
             Self::ParticleVertex => "particle.vert",
             Self::Medium | Self::MediumSamples => "medium.frag",
             Self::Particle | Self::ParticleSamples => "particle.frag",
+            Self::Pose => "pose.comp",
         }
     }
 
@@ -239,7 +245,11 @@ impl Module {
 
     /// The stage that it is for.
     pub fn stage(self) -> Stage {
-        if self.source().ends_with(".vert") { Stage::Vertex } else { Stage::Fragment }
+        match self.source().rsplit_once('.') {
+            Some((_, "vert")) => Stage::Vertex,
+            Some((_, "comp")) => Stage::Compute,
+            _ => Stage::Fragment,
+        }
     }
 
     /// The compiled module; its entry point is `main`.

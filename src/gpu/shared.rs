@@ -260,3 +260,38 @@ pub struct DecalData {
     /// Unused.
     pub padding: u32,
 }
+
+/// What a dispatch poses: `PosePush` in `glsl/pose.comp`, std430. Lists of rest poses and of what is written are counted in words, poses in
+/// elements of 16 bytes; `u32::MAX` says that there is no list.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct PosePush {
+    /// How many are written.
+    pub vertices: u32,
+    /// The vertex that each of them is.
+    pub first_source: u32,
+    /// Influences of each vertex.
+    pub influences: u32,
+    /// Where they begin.
+    pub first_influence: u32,
+    /// Positions before they are posed.
+    pub rest_position: u32,
+    /// Likewise normals; none are written without.
+    pub rest_normal: u32,
+    /// Likewise tangents.
+    pub rest_tangent: u32,
+    /// The joints' rows.
+    pub first_joint: u32,
+    /// Morph targets that have a weight.
+    pub first_target: u32,
+    /// How many.
+    pub targets: u32,
+    /// Where positions are written.
+    pub position: u32,
+    /// Words from one to the next.
+    pub position_stride: u32,
+    /// Where normals are written.
+    pub normal: u32,
+    /// Where tangents are written.
+    pub tangent: u32,
+}

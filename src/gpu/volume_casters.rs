@@ -1,5 +1,6 @@
 //! What casts shadows by volumes: meshes with their edges on the device, and instances as they stand.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use ash::vk;
@@ -44,6 +45,8 @@ pub(super) struct VolumeCasters {
     casters: Vec<Caster>,
     /// Of each of the scene's instances, its places among `casters`: both sides of what has two.
     casters_of: Vec<[Option<usize>; 2]>,
+    /// Of meshes that bend, the vertex at each place.
+    sources: BTreeMap<usize, Vec<u32>>,
     /// One a frame slot.
     instances: Vec<Buffer>,
 }
@@ -56,7 +59,7 @@ impl VolumeCasters {
         scene: &Scene,
         slots: usize,
     ) -> Result<Option<Self>> {
-        let Listed { words, places, batches, casters, casters_of } = list(scene);
+        let Listed { words, places, batches, casters, casters_of, sources } = list(scene);
         if casters.is_empty() {
             return Ok(None);
         }
@@ -75,7 +78,7 @@ impl VolumeCasters {
         let name = "volume caster instances";
         let desc = BufferDesc { name, bytes: size, usage: storage, memory: MemoryUse::Upload };
         let instances = (0..slots).map(|_| Buffer::new(device, &desc)).collect::<Result<_>>()?;
-        Ok(Some(Self { meshes, places, batches, casters, casters_of, instances }))
+        Ok(Some(Self { meshes, places, batches, casters, casters_of, sources, instances }))
     }
 
     /// What the meshes and a slot's instances take.
@@ -101,6 +104,21 @@ impl VolumeCasters {
             caster.data = convert::instance(world_from_object);
             caster.bounds_world = caster.bounds_object.transformed(world_from_object);
         }
+    }
+
+    /// A mesh has these bounds now.
+    pub(super) fn set_bounds(&mut self, mesh: usize, bounds_object: &Aabb) {
+        for batch in self.batches.iter().filter(|batch| batch.mesh == mesh) {
+            for caster in &mut self.casters[batch.casters.clone()] {
+                caster.bounds_object = *bounds_object;
+                caster.bounds_world = bounds_object.transformed(&convert::placement(&caster.data));
+            }
+        }
+    }
+
+    /// Where places are posed of a mesh that bends: the buffer, the first place in it, and the vertex that each is.
+    pub(super) fn posed(&self, mesh: usize) -> Option<(&Buffer, u32, &[u32])> {
+        Some((&self.meshes, self.places[mesh].first_place, self.sources.get(&mesh)?))
     }
 
     /// Brings a slot's instances up to date. The GPU has finished with the slot.
@@ -152,6 +170,7 @@ struct Listed {
     batches: Vec<Batch>,
     casters: Vec<Caster>,
     casters_of: Vec<[Option<usize>; 2]>,
+    sources: BTreeMap<usize, Vec<u32>>,
 }
 
 fn list(scene: &Scene) -> Listed {
@@ -171,9 +190,19 @@ fn list(scene: &Scene) -> Listed {
     let mut batches: Vec<Batch> = Vec::new();
     let mut casters = Vec::with_capacity(order.len());
     let mut casters_of = vec![[None; 2]; scene.instances.len()];
+    let mut sources = BTreeMap::new();
     for (mesh, turned, index) in order {
         if batches.last().is_none_or(|last| last.mesh != mesh) {
-            places[mesh] = place(&scene.meshes[mesh].posed(), &mut words);
+            let own = &scene.meshes[mesh];
+            let caster = match &own.deformation {
+                None => CasterMesh::new(&own.positions, &own.indices),
+                Some(bends) => {
+                    let key = |vertex| bends.vertex_bits(vertex, own.positions.len());
+                    CasterMesh::by(&own.positions, &own.indices, key)
+                }
+            };
+            places[mesh] = place(&caster, &mut words);
+            sources.extend(own.deformation.as_ref().map(|_| (mesh, caster.sources)));
         }
         let first = casters.len();
         let bounds_object = scene.meshes[mesh].bounds().expect("what has triangles has vertices");
@@ -190,12 +219,11 @@ fn list(scene: &Scene) -> Listed {
             _ => batches.push(Batch { mesh, turned, casters: first..first + 1 }),
         }
     }
-    Listed { words, places, batches, casters, casters_of }
+    Listed { words, places, batches, casters, casters_of, sources }
 }
 
 /// Adds a mesh's places, triangles and edges.
-fn place(mesh: &crate::scene::Mesh, words: &mut Vec<[u32; 4]>) -> Place {
-    let caster = CasterMesh::new(&mesh.positions, &mesh.indices);
+fn place(caster: &CasterMesh, words: &mut Vec<[u32; 4]>) -> Place {
     let first_place = words.len() as u32;
     words.extend(caster.positions.iter().map(|p| p.extend(0.0).to_array().map(f32::to_bits)));
     let first_triangle = words.len() as u32;

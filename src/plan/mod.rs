@@ -30,6 +30,7 @@ mod particles;
 mod pass;
 mod path;
 mod pipeline;
+mod poses;
 mod post;
 mod print;
 mod refraction;
@@ -77,6 +78,7 @@ pub use pass::{
     Transition, Usage,
 };
 pub use pipeline::Pipeline;
+pub use poses::PosedNeed;
 pub use post::{Post, PostImage, PostKind, PostPass, PostPlace, bloom_levels};
 pub use shadow::{
     CasterKind, CasterMask, ShadowLight, ShadowMap, ShadowNeed, ShadowNeeds, Tile, bias_texels, spread_texels,

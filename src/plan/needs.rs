@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::decals::{self, DecalNeed};
 use super::particles::{self, ParticleNeed};
-use super::{Around, EnvironmentNeed, LightmapNeed, LightmapUse, SceneKinds, ShadowNeeds};
+use super::{Around, EnvironmentNeed, LightmapNeed, LightmapUse, PosedNeed, SceneKinds, ShadowNeeds};
 use crate::scene::{
     AlphaMode, Background, Fog, Instance, Light, LightKind, Material, Scene, TextureRef, Transmission,
 };
@@ -262,6 +262,9 @@ pub struct Needs {
     /// Kinds of particles, in pipeline order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub particles: Vec<ParticleNeed>,
+    /// What bends.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posed: Option<PosedNeed>,
 }
 
 impl Needs {
@@ -367,6 +370,7 @@ impl Needs {
             occlusion: occlusion.filter(|_| painted_around.any()),
             decals: if lit_opaque.is_some() { decals::of(scene) } else { Vec::new() },
             particles: particles::of(scene),
+            posed: PosedNeed::of(scene),
             lit,
             lit_opaque,
             kinds,

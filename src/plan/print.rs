@@ -18,6 +18,7 @@ impl Display for Plan {
             writeln!(f, "  - {note}")?;
         }
         self.print_attachments(f)?;
+        self.print_poses(f)?;
         self.print_shadow_map(f)?;
         for (index, pass) in self.passes.iter().enumerate() {
             self.print_pass(f, index, pass)?;
@@ -69,6 +70,28 @@ impl Plan {
             }
         }
         Ok(())
+    }
+
+    fn print_poses(&self, f: &mut Formatter<'_>) -> Result {
+        let Some(need) = &self.needs.posed else { return Ok(()) };
+        writeln!(f, "\nposes: {}", need.why)?;
+        writeln!(
+            f,
+            "  {}, {}, {}, {}",
+            count(need.meshes, "mesh", "es"),
+            match need.vertices {
+                1 => "1 vertex".into(),
+                n => format!("{n} vertices"),
+            },
+            count(need.joints, "joint", "s"),
+            count(need.targets, "morph target", "s")
+        )?;
+        writeln!(
+            f,
+            "  by compute before all passes, where a pose has changed: at most {} bytes read and {} written; each pass, and each \
+             tile of the shadow map, then draws them as what stands still",
+            need.read_bytes, need.written_bytes
+        )
     }
 
     fn print_shadow_map(&self, f: &mut Formatter<'_>) -> Result {

@@ -147,6 +147,21 @@ impl Deformation {
         pairs.filter(|(_, weight)| *weight != 0.0)
     }
 
+    /// All that decides where one of so many vertices goes.
+    pub(crate) fn vertex_bits(&self, vertex: usize, vertices: usize) -> Vec<u32> {
+        let sets = self.sets(vertices);
+        let mut bits = Vec::new();
+        for Influence { joints, weights } in &self.influences[vertex * sets..(vertex + 1) * sets] {
+            bits.extend(joints.map(u32::from));
+            bits.extend(weights.map(f32::to_bits));
+        }
+        for MorphTarget { positions, normals, tangents } in &self.targets {
+            let own = [positions, normals, tangents].into_iter().filter_map(|list| list.get(vertex));
+            bits.extend(own.flat_map(|v| v.to_array().map(f32::to_bits)));
+        }
+        bits
+    }
+
     /// What is wrong with the numbers, beside a mesh with so many positions, normals and tangents.
     pub(super) fn problem(&self, [vertices, normals, tangents]: [usize; 3]) -> Option<String> {
         let Self { influences, targets, pose } = self;

@@ -142,6 +142,27 @@ impl GlobeMap {
 }
 
 impl Light {
+    /// The same light under another name, which takes no memory.
+    pub(crate) fn renamed(&self, name: String) -> Self {
+        let Self { name: _, color, back_color, kind, position_world, direction_world, up_world, .. } = *self;
+        let Self { range_m, globe_map, shadow, dynamic, baked, priority, .. } = *self;
+        Self {
+            name,
+            color,
+            back_color,
+            kind,
+            position_world,
+            direction_world,
+            up_world,
+            range_m,
+            globe_map,
+            shadow,
+            dynamic,
+            baked,
+            priority,
+        }
+    }
+
     /// A white light at the origin that shines along -Z, without range, back colour, globe map and shadow.
     pub fn new(kind: LightKind) -> Self {
         Self {

@@ -27,7 +27,9 @@ pub use camera::{Camera, Projection};
 #[cfg(feature = "capi")]
 pub(crate) use check::Checked;
 pub use decal::{Decal, DecalChannels};
+#[cfg(feature = "measure")]
 pub(crate) use deformation::Posed;
+pub(crate) use deformation::PosedBounds;
 pub use deformation::{Deformation, Influence, MorphTarget, Pose};
 pub use environment::Environment;
 pub use globe_layers::GlobeLayers;

@@ -232,7 +232,7 @@ impl World {
             return Err(refused(problem));
         }
         self.scene.meshes[id.index()].deformation.iter_mut().for_each(|d| d.pose.clone_from(&pose));
-        self.changes.bend(id.index());
+        Changes::note(&mut self.changes.poses, id.index());
         Ok(())
     }
 

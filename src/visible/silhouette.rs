@@ -7,6 +7,7 @@
 //! since each half of an edge is paired at most once and by itself otherwise.
 
 use std::collections::HashMap;
+use std::hash::Hash;
 
 use glam::Vec3;
 
@@ -15,6 +16,8 @@ use glam::Vec3;
 pub struct CasterMesh {
     /// Distinct places, object space, metres.
     pub positions: Vec<Vec3>,
+    /// The first vertex at each of them.
+    pub sources: Vec<u32>,
     /// Three different places each, counter-clockwise from the front.
     pub triangles: Vec<[u32; 3]>,
     /// From place to place as the first triangle goes round, the first triangle, and the one on the other side, which goes round the
@@ -29,16 +32,22 @@ impl CasterMesh {
     /// Of a mesh's triangles: vertices at one place are one, whatever else sets them apart. `indices` are below the number of
     /// positions, three a triangle.
     pub fn new(positions: &[Vec3], indices: &[u32]) -> Self {
+        Self::by(positions, indices, |_| ())
+    }
+
+    /// Likewise where vertices must have more in common than their place to be one: of what bends, what bends them.
+    pub fn by<K: Hash + Eq>(positions: &[Vec3], indices: &[u32], key: impl Fn(usize) -> K) -> Self {
         let mut mesh = Self::default();
-        let mut places: HashMap<[u32; 3], u32> = HashMap::new();
+        let mut places: HashMap<([u32; 3], K), u32> = HashMap::new();
         let mut welded = Vec::with_capacity(positions.len());
-        for position in positions {
+        for (vertex, position) in positions.iter().enumerate() {
             // Adding 0 makes the two zeros one.
-            let key = (*position + Vec3::ZERO).to_array().map(f32::to_bits);
+            let key = ((*position + Vec3::ZERO).to_array().map(f32::to_bits), key(vertex));
             let next = mesh.positions.len() as u32;
             let index = *places.entry(key).or_insert(next);
             if index == next {
                 mesh.positions.push(*position);
+                mesh.sources.push(vertex as u32);
             }
             welded.push(index);
         }

@@ -22,6 +22,8 @@ pub mod shadow_scenes;
 pub mod glass_scenes;
 #[path = "media_scenes.rs"]
 pub mod media_scenes;
+#[path = "moving_scenes.rs"]
+pub mod moving_scenes;
 #[path = "particle_scenes.rs"]
 pub mod particle_scenes;
 
@@ -114,6 +116,7 @@ pub fn built() -> Vec<Scene> {
     all.extend(glass_scenes::all());
     all.extend(particle_scenes::all());
     all.extend(media_scenes::all());
+    all.extend(moving_scenes::all());
     all
 }
 

@@ -1,6 +1,9 @@
 //! Objects and lights move between frames, while earlier ones are on the GPU.
 
+use super::common::scenes::moving_scenes::bending;
 use super::*;
+use ontile::gpu::Updated;
+use ontile::scene::{Play, World};
 use std::f32::consts::PI;
 
 /// One square turns and leaves, the other comes along; both stay seen from the front.
@@ -120,6 +123,47 @@ fn ten_thousand_frames_of_movement_grow_nothing() {
     assert_eq!(allocations, 0);
     assert_eq!(device.live(), live);
     assert!((1..2 * FRAMES).contains(&objects), "objects must come and go");
+    drop((target, renderer, device));
+    assert_eq!(engine.finish(false), Vec::<String>::new());
+}
+
+/// Of joints, morph targets, nodes, a light with its shadow and a camera, in a world.
+#[test]
+fn ten_thousand_frames_of_animation_grow_nothing() {
+    const FRAMES: usize = 10_000;
+    /// All lists have grown then.
+    const FIRST: usize = 4;
+    const SIZE: [u32; 2] = [8, 8];
+    let Some(mut engine) = engine() else { return };
+    let (device, _) = engine.lend(false);
+    let scene = bending();
+    let mut renderer = renderer(&device, &scene, &Options::default());
+    upload(&engine, &device, &mut renderer);
+    let images = images(&mut engine, &renderer, SIZE, 1);
+    let target = renderer.create_target(SIZE, &outputs(&images)).unwrap();
+    let mut world = World::from(scene);
+    let (mut allocations, mut live) = (0, device.live());
+    for frame in 0..FRAMES {
+        let slot = frame % FRAMES_IN_FLIGHT;
+        engine.submit(slot, |buffer| {
+            let recorder = recorder(&device, buffer);
+            let counted = allocation_counter::measure(|| {
+                let time_s = (frame as f64 * 0.013) % 2.0;
+                world.animate(&[Play { animation: 0, time_s }]).unwrap();
+                assert_eq!(renderer.update(&world, &recorder).unwrap(), Updated::default());
+                world.clear_changes();
+                let view = View { camera: &world.scene().cameras[0], exposure_ev: 0.0 };
+                renderer.record(&recorder, slot, &target, 0, &view);
+            });
+            allocations += if frame < FIRST { 0 } else { counted.count_total };
+        });
+        if frame == FIRST {
+            live = device.live();
+        }
+    }
+    engine.wait();
+    assert_eq!(allocations, 0);
+    assert_eq!(device.live(), live);
     drop((target, renderer, device));
     assert_eq!(engine.finish(false), Vec::<String>::new());
 }

@@ -176,3 +176,79 @@ fn targets_are_added_by_weight() {
     assert!(close(posed.normals[1], [FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2]));
     assert_eq!(file.load().unwrap().meshes[0].positions[1], Vec3::new(1.0, 0.0, 0.25));
 }
+
+/// What is changed, and where and what the message says.
+type Fault = (fn(&mut Gltf), &'static str, &'static str);
+
+#[test]
+fn what_is_wrong_is_named() {
+    const PARENT: usize = 6;
+    fn times(file: &mut Gltf, times: &[f32]) {
+        let input = file.floats("SCALAR", times);
+        *file.at("/animations/0/samplers/0/input") = json!(input);
+    }
+    fn values(file: &mut Gltf, path: &str, kind: &str, values: &[f32]) {
+        let output = file.floats(kind, values);
+        *file.at("/animations/0/samplers/0/output") = json!(output);
+        *file.at("/animations/0/channels/0/target/path") = json!(path);
+    }
+    const SAMPLER: &str = "animations[0].samplers[0]";
+    const CHANNEL: &str = "animations[0].channels[0]";
+    let faults: [Fault; 14] = [
+        (|f| times(f, &[1.0, 1.0]), SAMPLER, "not later"),
+        (|f| times(f, &[2.0, 1.0]), SAMPLER, "not later"),
+        (|f| times(f, &[-1.0, 1.0]), SAMPLER, "before 0"),
+        (|f| times(f, &[0.0, 1.0, 2.0]), SAMPLER, "6 numbers for its keys, not 9"),
+        (|f| times(f, &[0.0, f32::NAN]), "animations[0].samplers[0].input", "not finite"),
+        (|f| values(f, "translation", "VEC4", &[0.0; 8]), "animations[0].samplers[0].output", "Vec4"),
+        (|f| values(f, "rotation", "VEC4", &[0.0; 8]), SAMPLER, "length 0"),
+        (
+            |f| {
+                let target = json!({"node": PARENT, "path": "weights"});
+                let channel = json!({"sampler": 0, "target": target});
+                f.json["animations"][0]["channels"].as_array_mut().unwrap().push(channel);
+            },
+            "animations[0].channels[1]",
+            "no morph targets",
+        ),
+        (
+            |f| *f.at("/animations/0/samplers/0/interpolation") = json!("CUBICSPLINE"),
+            SAMPLER,
+            "6 numbers for its keys, not 18",
+        ),
+        (
+            |f| *f.at("/animations/0/samplers/0/interpolation") = json!("SMOOTH"),
+            "animations[0].samplers[0].interpolation",
+            "does not define",
+        ),
+        (
+            |f| *f.at("/animations/0/channels/0/sampler") = json!(7),
+            "animations[0].channels[0].sampler",
+            "there are 1",
+        ),
+        (
+            |f| *f.at("/animations/0/channels/0/target/node") = json!(99),
+            "animations[0].channels[0].target.node",
+            "nodes[99]",
+        ),
+        (
+            |f| f.json["nodes"][PARENT]["matrix"] = json!(Mat4::IDENTITY.to_cols_array()),
+            CHANNEL,
+            "which has a matrix",
+        ),
+        (
+            |f| {
+                let first = f.json["animations"][0]["channels"][0].clone();
+                f.json["animations"][0]["channels"].as_array_mut().unwrap().push(first);
+            },
+            "animations[0].channels[1]",
+            "another channel",
+        ),
+    ];
+    for (index, (change, place, part)) in faults.into_iter().enumerate() {
+        let mut file = lift();
+        change(&mut file);
+        let error = file.load_moving().unwrap_err().to_string();
+        assert!(error.contains(place) && error.contains(part), "{index}: {error}");
+    }
+}

@@ -18,7 +18,8 @@ fn names<'a>(all: impl Iterator<Item = &'a str>) -> Names {
 }
 
 /// Buffers that every frame slot has of its own.
-const OF_A_SLOT: [&str; 10] = [
+const OF_A_SLOT: [&str; 11] = [
+    "poses",
     "decals",
     "particles",
     "volume caster instances",

@@ -44,6 +44,7 @@ pub fn objects(scene: &Scene, options: &Options) -> Objects {
             "particles",
             "medium",
             "absorption",
+            "poses",
         ];
         if pipeline.starts_with("light, where its shadow volumes are not") {
             return "shadowed light".to_owned();

@@ -276,6 +276,11 @@ pub const OF_LIT: &[Feature] = &[
         ],
     ),
     feature(
+        "a mesh that bends",
+        |s| s.meshes[0].deformation = Some(Default::default()),
+        &["pipeline poses, buffer rest poses, buffer poses"],
+    ),
+    feature(
         "metallic-roughness",
         |s| s.materials[0].metallic_roughness_texture = picture(s),
         &[TEXTURED, "lit: SLOT_METALLIC_ROUGHNESS"],

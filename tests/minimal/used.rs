@@ -61,6 +61,7 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         drawn(scene).any(|(mesh, material)| wanted(mesh, material))
     };
     let is_drawn = any(&|_, _| true);
+    let bends = any(&|mesh, _| mesh.deformation.is_some());
     let lit = any(&|_, material| !material.unlit);
     let is_medium = |material: &Material| material.transmits().is_some();
     let is_blended = |material: &Material| material.alpha_mode == AlphaMode::Blend && !is_medium(material);
@@ -257,6 +258,9 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("image globe maps", globe),
         ("image shadow map", shadow),
         ("image static shadow map", shadow && moves),
+        ("pipeline poses", bends),
+        ("buffer rest poses", bends),
+        ("buffer poses", bends),
         ("buffer vertices", is_drawn),
         ("buffer indices", is_drawn),
         ("buffer materials", is_drawn || sparks),

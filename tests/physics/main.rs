@@ -16,6 +16,7 @@ mod gpu;
 mod layouts;
 mod light_scenes;
 mod media;
+mod moving;
 mod over_light;
 mod particles;
 mod quantised;

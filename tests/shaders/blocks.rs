@@ -2,13 +2,13 @@
 
 use ontile::gpu::shared::{
     ClusterGrid, DecalData, EnvironmentUniforms, FrameUniforms, InstanceData, LightData, LightPush,
-    MaterialData, MediumData, ParticleData, ProbeData, ShadowPush, ShadowViewData, VolumePush,
+    MaterialData, MediumData, ParticleData, PosePush, ProbeData, ShadowPush, ShadowViewData, VolumePush,
 };
 
 use crate::reflect::{Block, block};
 
 /// Each, as Rust lays it out.
-pub fn blocks() -> [Block; 14] {
+pub fn blocks() -> [Block; 15] {
     [
         block!(
             "Frame" = FrameUniforms {
@@ -67,6 +67,24 @@ pub fn blocks() -> [Block; 14] {
         block!(
             "ShadowView" =
                 ShadowViewData { map_from_world, tile, texel_m, spread_texels, offset_texels, lift_texels }
+        ),
+        block!(
+            "PosePush" = PosePush {
+                vertices,
+                first_source,
+                influences,
+                first_influence,
+                rest_position,
+                rest_normal,
+                rest_tangent,
+                first_joint,
+                first_target,
+                targets,
+                position,
+                position_stride,
+                normal,
+                tangent,
+            }
         ),
         block!("ShadowPush" = ShadowPush { clip_from_world, nearest_depth }),
         block!("Probe" = ProbeData { probe_from_world_rows, half_size, falloff, rotation, scale, padding }),

@@ -97,4 +97,5 @@ sweeps! {
     the_curve_and_the_mean "resolve",
     masks_and_samples "masks",
     panes_in_any_order "translucency",
+    joints_at_their_limits "posing",
 }

@@ -34,6 +34,20 @@ fn decals_stay_on_the_tile() {
     }
 }
 
+/// What poses meshes runs before the pass, and leaves it as it is.
+#[test]
+fn what_bends_stays_on_the_tile() {
+    let Some(turnip) = turnip::find() else { return };
+    for (subpasses, scene, layout) in [
+        (2, "bending", Layout::Metallic128),
+        (2, "bending", Layout::Ontile128),
+        (4, "bending_mapped", Layout::Metallic128),
+    ] {
+        let case = Case::new(scene, layout);
+        frames(&turnip, &case, |gpu, frame| on_tile(gpu, &case, subpasses, frame));
+    }
+}
+
 /// Barriers within a subpass need its dependency on itself, and that by region.
 #[test]
 fn a_wrong_dependency_of_decals_is_found_out() {

@@ -1,5 +1,7 @@
 //! A writer of binary glTF 2.0: one JSON chunk, one BIN chunk, keys in a fixed order.
 
+pub mod moving;
+
 pub use super::model::{Light, LightKind, Material, Medium, Pose, Slot};
 
 use super::mesh::Mesh;

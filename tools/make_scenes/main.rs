@@ -6,6 +6,7 @@
 pub mod bench;
 pub mod canyon;
 mod chapel;
+mod charmer;
 mod courtyard;
 mod decals;
 mod glass;

@@ -1,6 +1,8 @@
 //! The command line: which scenes are made, and whether they are written or compared.
 
-use super::{bench, canyon, chapel, courtyard, decals, glass, grid, interior, lamps, pool, stop, unlit};
+use super::{
+    bench, canyon, chapel, charmer, courtyard, decals, glass, grid, interior, lamps, pool, stop, unlit,
+};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::fs;
 use std::io::ErrorKind;
@@ -61,6 +63,8 @@ struct Bench {
 pub enum Shipped {
     /// A corner of a chapel under one light of each kind
     Chapel,
+    /// A snake, a ball and a lantern that move
+    Charmer,
     /// A walled courtyard at dusk
     Courtyard,
     /// A corner of a workshop that decals make look used
@@ -86,6 +90,7 @@ impl Shipped {
     pub fn file_name(self) -> &'static str {
         match self {
             Self::Chapel => "chapel.glb",
+            Self::Charmer => "charmer.glb",
             Self::Courtyard => "courtyard.glb",
             Self::Decals => "decals.glb",
             Self::Glass => "glass.glb",
@@ -102,6 +107,7 @@ impl Shipped {
     pub fn glb(self) -> Vec<u8> {
         match self {
             Self::Chapel => chapel::glb(),
+            Self::Charmer => charmer::glb(),
             Self::Courtyard => courtyard::glb(),
             Self::Decals => decals::glb(),
             Self::Glass => glass::glb(),

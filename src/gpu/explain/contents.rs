@@ -9,8 +9,13 @@ use crate::Result;
 use crate::plan::{DecalKind, ParticleKind, Pipeline, SLOTS, SceneKinds, SurfaceKind, element};
 
 impl Elements<'_> {
-    /// Pipelines that tiles of the shadow map begin with.
-    pub(super) fn tile_pipelines(&self) -> Vec<(&'static str, String)> {
+    /// Pipelines beside the plan's and those of casters: what poses meshes, and what tiles of the shadow map begin with.
+    pub(super) fn other_pipelines(&self) -> Vec<(&'static str, String)> {
+        let posed = self.plan.needs.posed.as_ref().map(|need| ("poses", format!("{} bends", need.why)));
+        posed.into_iter().chain(self.tile_pipelines()).collect()
+    }
+
+    fn tile_pipelines(&self) -> Vec<(&'static str, String)> {
         let Some(map) = &self.plan.shadow_map else { return Vec::new() };
         let clear = ("shadow clear", self.shadow_lights());
         let compose = map.has_static_map.then(|| ("shadow compose", self.moving()));
@@ -92,6 +97,8 @@ impl Elements<'_> {
             let pipeline = &plan.pipelines[index].1;
             pipeline.is_of_surfaces() || matches!(pipeline, Pipeline::Particles(_))
         };
+        let bends =
+            || plan.needs.posed.as_ref().map_or_else(String::new, |need| format!("{} bends", need.why));
         let has_materials =
             (0..of_plan.len()).any(|i| is_surface(i) && of_plan[i].bindings.contains_key(&materials));
         let all = [
@@ -129,6 +136,8 @@ impl Elements<'_> {
                 format!("{} lets light through", plan.needs.transmits.as_deref().unwrap_or_default()),
             ),
             (plan.shadow_map.is_some(), "casters", self.shadow_lights()),
+            (plan.needs.posed.is_some(), "rest poses", bends()),
+            (plan.needs.posed.is_some(), "poses", bends()),
         ];
         all.into_iter().filter(|(exists, ..)| *exists).map(|(_, name, why)| (name, why)).collect()
     }

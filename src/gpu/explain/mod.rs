@@ -124,7 +124,7 @@ impl Explanation {
                 );
             }
         }
-        for (name, why) in elements.tile_pipelines() {
+        for (name, why) in elements.other_pipelines() {
             add(ExplainedKind::Pipeline, name.into(), None, why);
         }
         for (name, why) in elements.images()? {

@@ -22,8 +22,8 @@ impl Renderer {
     /// what only they use is freed once a frame is recorded with the slot of the last of them.
     ///
     /// The renderer was made of [`World::scene`] when [`World::changes`] were cleared last, or updated then. If since then
-    /// things have only moved, and lights, decals and particles got other numbers, this is [`Self::set_instance`], [`Self::set_light`],
-    /// [`Self::set_decal`] and [`Self::set_particles`]. Otherwise it makes a plan with the same options, and what of the objects is not there: meshes and textures
+    /// things have only moved or were posed, and lights, decals and particles got other numbers, this is [`Self::set_instance`],
+    /// [`Self::set_pose`], [`Self::set_light`], [`Self::set_decal`] and [`Self::set_particles`]. Otherwise it makes a plan with the same options, and what of the objects is not there: meshes and textures
     /// that have not changed, the pipelines where the plan has the same, the environment where it is the same, are shared with the
     /// frames before. Shadow maps are drawn anew.
     ///
@@ -66,6 +66,11 @@ impl Renderer {
         }
         changes.lights.iter().try_for_each(|&index| self.set_light(index, &scene.lights[index]))?;
         changes.decals.iter().try_for_each(|&index| self.set_decal(index, &scene.decals[index]))?;
+        for &index in &changes.poses {
+            if let Some(deformation) = &scene.meshes[index].deformation {
+                self.set_pose(index, &deformation.pose)?;
+            }
+        }
         let mut particles = changes.particles.iter();
         particles.try_for_each(|&index| self.set_particles(index, &scene.particles[index].list))
     }

@@ -1,8 +1,9 @@
 //! What of a scene is brought to the device, and how pipelines use it.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::objects::{Batch, Objects};
+use super::super::pipeline::{FamilyLayout, Pipelines};
 use super::super::{ColorEncoding, Streams, TextureKey, Textures};
 use crate::Result;
 use crate::plan::{Pipeline, Plan, SLOTS, SurfaceKind};
@@ -84,4 +85,15 @@ pub(in crate::gpu) fn texture_bytes(
 ) -> Result<u64> {
     let keys = texture_keys(scene, plan, objects.batches(), others);
     Textures::bytes(&scene.images, &scene.textures, &keys)
+}
+
+/// Those of these materials that light goes through.
+pub(super) fn media(scene: &Scene, materials: &BTreeSet<usize>) -> BTreeSet<usize> {
+    materials.iter().copied().filter(|&i| scene.materials[i].transmits().is_some()).collect()
+}
+
+/// A layout of each [`Family::frame`].
+pub(super) fn frame_layouts(pipelines: &Pipelines) -> BTreeMap<u32, &FamilyLayout> {
+    let read = pipelines.layouts.iter().filter(|(family, _)| family.frame() != 0);
+    read.map(|(family, layout)| (family.frame(), layout)).collect()
 }

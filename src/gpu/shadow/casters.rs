@@ -133,6 +133,22 @@ impl Casters {
         Some(&caster.bounds_world)
     }
 
+    /// A mesh has these bounds now; returns those in the world of its casters.
+    pub(super) fn set_bounds(&mut self, mesh: usize, bounds_object: &Aabb) -> Option<Aabb> {
+        let mut all: Option<Aabb> = None;
+        for batch in self.batches.iter().filter(|batch| batch.mesh == mesh) {
+            for caster in &mut self.casters[batch.casters.clone()] {
+                caster.bounds_object = *bounds_object;
+                caster.bounds_world = bounds_object.transformed(&convert::placement(&caster.data));
+                caster.moves += 1;
+                all = Some(all.map_or(caster.bounds_world, |all| all.union(&caster.bounds_world)));
+            }
+            let moves = if batch.dynamic { &mut self.moves.dynamic } else { &mut self.moves.fixed };
+            *moves += 1;
+        }
+        all
+    }
+
     /// How many these are.
     pub(super) fn count_of(&self, which: Which) -> usize {
         match which {

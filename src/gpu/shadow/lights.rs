@@ -34,6 +34,21 @@ impl LightViews {
     }
 
     fn new(light: &Light, options: &ShadowOptions, place: &ShadowLight) -> Self {
+        let mut views = Self {
+            light: light.clone(),
+            place: place.clone(),
+            spread_texels: 0.0,
+            offset_texels: 0.0,
+            slope_texels: 0.0,
+            stable: options.stable,
+        };
+        views.set(light, options);
+        views
+    }
+
+    /// Changes the light, but for its name; its tiles stay the same. No allocation.
+    pub(super) fn set(&mut self, light: &Light, options: &ShadowOptions) {
+        let place = &self.place;
         let shadow = light.shadow.unwrap_or_default();
         let bias = bias_texels(shadow);
         // The guard is for the filter and for receivers that their offset, reach and bias, takes out of the view.
@@ -45,16 +60,10 @@ impl LightViews {
             ShadowFilter::Grid3 | ShadowFilter::Grid5 => (wanted, wanted * SQRT_2),
             ShadowFilter::Jittered => (wanted, wanted),
         };
-        let offset_texels = reach + bias;
-        let slope_texels = spread_texels + SLOPE_TEXELS;
-        let stable = options.stable;
-        let (light, place) = (light.clone(), place.clone());
-        Self { light, place, spread_texels, offset_texels, slope_texels, stable }
-    }
-
-    /// Changes the light; its tiles stay the same.
-    pub(super) fn set(&mut self, light: &Light, options: &ShadowOptions) {
-        *self = Self::new(light, options, &self.place);
+        self.offset_texels = reach + bias;
+        self.spread_texels = spread_texels;
+        self.slope_texels = spread_texels + SLOPE_TEXELS;
+        self.light = light.renamed(std::mem::take(&mut self.light.name));
     }
 
     /// Index into `Scene::lights`.

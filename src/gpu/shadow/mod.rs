@@ -235,13 +235,25 @@ impl Shadows {
 
     /// Moves an element of `Scene::instances`.
     pub(super) fn set_instance(&mut self, index: usize, world_from_object: &Mat4) {
-        if let Some(bounds) = self.casters.set(index, world_from_object) {
-            let all = self.bounds_world.union(bounds);
-            if all != self.bounds_world {
-                // More than now is needed, because all cascades' depths change with it.
-                let more = (all.max - all.min) * 0.25;
-                self.bounds_world = Aabb { min: all.min - more, max: all.max + more };
-            }
+        if let Some(bounds) = self.casters.set(index, world_from_object).copied() {
+            self.hold(&bounds);
+        }
+    }
+
+    /// A mesh has these bounds now, and other vertices.
+    pub(super) fn set_bounds(&mut self, mesh: usize, bounds_object: &Aabb) {
+        if let Some(bounds) = self.casters.set_bounds(mesh, bounds_object) {
+            self.hold(&bounds);
+        }
+    }
+
+    /// Cascades reach this too.
+    fn hold(&mut self, bounds: &Aabb) {
+        let all = self.bounds_world.union(bounds);
+        if all != self.bounds_world {
+            // More than now is needed, because all cascades' depths change with it.
+            let more = (all.max - all.min) * 0.25;
+            self.bounds_world = Aabb { min: all.min - more, max: all.max + more };
         }
     }
 

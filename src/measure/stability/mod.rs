@@ -20,6 +20,7 @@ mod lights;
 mod masks;
 mod normals;
 mod parts;
+mod posing;
 mod report;
 mod samples;
 mod shading;
@@ -89,6 +90,7 @@ impl Sweep {
         samples::RESOLVE,
         masks::MASKS,
         translucency::TRANSLUCENCY,
+        posing::POSING,
     ];
 
     /// The sweep of this name.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use crate::scene::{Influence, Mesh, MorphTarget, TextureRef};
+use crate::scene::{Mesh, MorphTarget, TextureRef};
 
 /// Gives every triangle vertices of its own.
 pub fn unweld(mesh: &mut Mesh) {
@@ -64,19 +64,8 @@ fn vertex_bits(mesh: &Mesh, i: usize) -> ([u32; 18], Vec<u32>) {
     copy(&mut bits[10..12], mesh.texcoords[0].get(i).map(Vec2::to_array));
     copy(&mut bits[12..14], mesh.texcoords[1].get(i).map(Vec2::to_array));
     copy(&mut bits[14..18], mesh.colors.get(i).map(Vec4::to_array));
-    let mut more = Vec::new();
-    if let Some(deformation) = &mesh.deformation {
-        let sets = deformation.sets(mesh.positions.len());
-        for Influence { joints, weights } in &deformation.influences[i * sets..(i + 1) * sets] {
-            more.extend(joints.map(u32::from));
-            more.extend(weights.map(f32::to_bits));
-        }
-        for MorphTarget { positions, normals, tangents } in &deformation.targets {
-            let lists = [positions, normals, tangents];
-            more.extend(lists.iter().filter_map(|l| l.get(i)).flat_map(|v| v.to_array().map(f32::to_bits)));
-        }
-    }
-    (bits, more)
+    let more = mesh.deformation.as_ref().map(|d| d.vertex_bits(i, mesh.positions.len()));
+    (bits, more.unwrap_or_default())
 }
 
 /// The sum of the normals of the triangles around each vertex, weighted by area; of any length.

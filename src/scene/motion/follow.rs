@@ -198,7 +198,7 @@ impl Scene {
                 if !old.iter().copied().eq(posture.weights(motion, follower.node)) {
                     old.clear();
                     old.extend(posture.weights(motion, follower.node));
-                    changes.bend(mesh);
+                    Changes::note(&mut changes.poses, mesh);
                 }
             }
             Follows::Skin { mesh, instance, skin } => {
@@ -219,7 +219,7 @@ impl Scene {
                     *old = new;
                 }
                 if has_changed {
-                    changes.bend(mesh);
+                    Changes::note(&mut changes.poses, mesh);
                 }
             }
         }

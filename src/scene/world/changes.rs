@@ -13,6 +13,8 @@ pub struct Changes {
     pub(crate) decals: Vec<usize>,
     /// Lists of particles that are others.
     pub(crate) particles: Vec<usize>,
+    /// Meshes that are posed otherwise.
+    pub(crate) poses: Vec<usize>,
     /// Meshes that came, or have other contents.
     pub(crate) meshes: Vec<usize>,
     /// Pictures likewise.
@@ -37,15 +39,10 @@ impl Changes {
 
     /// Forgets, and keeps its memory.
     pub(super) fn clear(&mut self) {
-        let Self { instances, lights, decals, particles, meshes, images, surroundings, elements } = self;
-        [instances, lights, decals, particles, meshes, images].into_iter().for_each(Vec::clear);
+        let Self { instances, lights, decals, particles, poses, meshes, images, surroundings, elements } =
+            self;
+        [instances, lights, decals, particles, poses, meshes, images].into_iter().for_each(Vec::clear);
         (*surroundings, *elements) = (false, false);
-    }
-
-    /// A mesh is posed otherwise.
-    pub(in crate::scene) fn bend(&mut self, mesh: usize) {
-        Self::note(&mut self.meshes, mesh);
-        self.elements = true;
     }
 
     /// Adds a place, unless it came last: what changes many times between two looks is there once.
