@@ -70,6 +70,7 @@ fn choices(limits: &Limits) -> Vec<Choice> {
         choice("edge filter", false, &[false, false, false, true], |o, v| o.edge_filter = v),
         choice("refraction", false, &[Refraction::None, Refraction::Pass], |o, v| o.refraction = v),
         choice("shadow volumes", false, &[false, false, true], |o, v| o.shadow_volumes = v),
+        choice("overlay", false, &[false, false, true], |o, v| o.overlay = v),
         choice("path", false, &paths, |o, v| o.path = v),
         choice("samples", false, &[1, 4], |o, v| o.samples = v),
         choice("resolve", false, ResolveWay::ALL, |o, v| o.resolve = v),

@@ -99,6 +99,35 @@ fn the_window_shows_the_picture_of_render() {
     }
 }
 
+/// The overlay covers a part of the picture, by whatever the frame is drawn, and leaves no trace when it goes.
+#[test]
+fn the_overlay_comes_and_goes() {
+    let Some(screen) = Screen::new() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |name: &str| Picture::read(&folder.path().join(name)).unwrap();
+    let lamps = asset("lamps.glb");
+    let mut script =
+        String::from("frames 3\nscreenshot before.png\nlive before.json\noverlay on\nframes 3\n");
+    for (name, value) in OVER {
+        script += &format!("set {name} {value}\nframes 2\nscreenshot {name}-{value}.png\n");
+    }
+    script += "size 200x120\nframes 2\nsize 640x360\noverlay off\nset strategy subpasses\nset samples 1\nset layout metallic128\n";
+    script += "frames 3\nscreenshot after.png\nlive after.json\n";
+    let told = view(folder.path(), &screen.display, &script, &[&lamps, "--size", "640x360"]);
+    assert_eq!(told, "");
+    assert_eq!(difference(&picture("after.png"), &picture("before.png")), None);
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert_eq!(read("after.json"), read("before.json"));
+    for (name, value) in OVER {
+        let over = picture(&format!("{name}-{value}.png"));
+        assert!(difference(&over, &picture("before.png")).is_some(), "{name} {value}: no overlay");
+    }
+}
+
+/// Options that change what the overlay is drawn over.
+const OVER: [(&str, &str); 4] =
+    [("strategy", "separate"), ("samples", "4"), ("strategy", "subpasses"), ("layout", "packed128")];
+
 #[test]
 fn without_a_screen_it_says_so() {
     let folder = tempfile::tempdir().unwrap();

@@ -24,6 +24,8 @@ embed![
     "mask.frag",
     "medium.frag",
     "medium_samples.frag",
+    "overlay.frag",
+    "overlay.vert",
     "particle.frag",
     "particle.vert",
     "particle_samples.frag",

@@ -21,7 +21,7 @@ Keys:
 {HELP}
 
 Commands of a script, one a line: frames N, size WxH, open FILE, set OPTION VALUE, camera N|NAME, exposure EV, drag X Y,
-screenshot FILE, live FILE, suspend, resume, stay; after the last one the window is closed.
+screenshot FILE, live FILE, overlay on|off, suspend, resume, stay; after the last one the window is closed.
 
 Examples:
   ontile view scene.glb
@@ -47,6 +47,9 @@ pub struct WindowArgs {
     /// Frames that are prepared while the GPU draws
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=3))]
     pub frames_in_flight: u32,
+    /// Begin without the overlay, which costs nothing then; F2 shows it [default: with it, unless there is a script]
+    #[arg(long)]
+    pub no_overlay: bool,
     /// Carry out the commands of this file in the place of a user
     #[arg(long, value_name = "FILE")]
     pub script: Option<PathBuf>,
@@ -62,7 +65,7 @@ pub struct WindowArgs {
 pub fn run(args: &ViewArgs) -> Result<()> {
     let window = &args.window;
     let script = window.script.as_deref().map(Script::load).transpose()?;
-    let options = options(args)?;
+    let options = Options { overlay: !window.no_overlay && script.is_none(), ..options(args)? };
     let (scene_args, environment_format) = (args.scene.clone(), options.environment_format);
     let load = move |path: &Path| {
         let mut scene = scene::load(&SceneArgs { scene: path.to_owned(), ..scene_args.clone() })?;

@@ -1,11 +1,13 @@
 //! The renderer: a plan made of Vulkan objects, and frames recorded with them.
 
 mod decals;
+mod overlay;
 mod particles;
 mod post;
 mod record;
 mod retired;
 mod shadow_volumes;
+mod told;
 mod update;
 
 use std::sync::Arc;
@@ -13,7 +15,8 @@ use std::sync::Arc;
 use ash::vk;
 use glam::Mat4;
 
-use super::fragments::{DrawCount, FragmentQueries};
+use super::fragments::FragmentQueries;
+use super::overlay::Overlay;
 use super::pass::VulkanPass;
 use super::pipeline::Pipelines;
 use super::poses::Poses;
@@ -21,10 +24,8 @@ use super::post::PostPasses;
 use super::scene_data::SceneData;
 use super::shadow::{RecordedShadows, ShadowResources, Shadows};
 use super::target::check_formats;
-use super::{
-    Device, Image, OutputImage, PipelineCache, Queries, QueryResults, Recorder, Target, Upload, View, conv,
-};
-use crate::plan::{FrameCounts, MergeReport, Needs, OutputUse, Plan, State, Usage};
+use super::{Device, Image, OutputImage, PipelineCache, Queries, Recorder, Target, Upload, View, conv};
+use crate::plan::{FrameCounts, MergeReport, Needs, OutputUse, Pipeline, Plan, State, Usage};
 use crate::scene::{Changes, Decal, Light, Particle, Pose, Scene};
 use crate::{Error, Result};
 use record::Frame;
@@ -85,6 +86,8 @@ pub struct Renderer {
     queries: Arc<Queries>,
     fragments: Option<FragmentQueries>,
     shadows: Option<Shadows>,
+    /// `None` if the plan has none.
+    overlay: Option<Overlay>,
     scene: SceneData,
     /// `None` if the plan has no passes after the frame's own.
     post: Option<Arc<PostPasses>>,
@@ -182,6 +185,10 @@ impl Renderer {
             Shadows::new(device, scene, (&plan, map), (resources, &data), most, cache)
         });
         let shadows = shadows.transpose()?;
+        let drawn_over = plan.pipelines.iter().position(|(_, p)| *p == Pipeline::Overlay);
+        let overlay = drawn_over
+            .map(|index| Overlay::new(device, index, pipelines.layout_of(index), slot_count, &mut upload));
+        let overlay = overlay.transpose()?;
         let timestamps = if config.stage_timestamps { plan.stage_count() + 1 } else { 2 };
         let queries = match old.filter(|old| old.queries.per_frame() == timestamps as u32) {
             Some(old) => Arc::clone(&old.queries),
@@ -195,6 +202,7 @@ impl Renderer {
             queries,
             fragments: fragments.transpose()?,
             shadows,
+            overlay,
             scene: data,
             post,
             pipelines,
@@ -282,24 +290,6 @@ impl Renderer {
     /// What the last [`Self::record`] recorded.
     pub fn recorded(&self) -> Recorded {
         self.recorded
-    }
-
-    /// Timestamps and statistics of a frame slot that the GPU has finished: nanoseconds since the frame's begin after
-    /// each stage (with [`RendererConfig::stage_timestamps`]) and at its end.
-    ///
-    /// # Errors
-    /// [`Error::Vulkan`], e.g. when the device was lost.
-    pub fn query_results(&self, slot: usize) -> Result<QueryResults> {
-        self.queries.results(slot as u32)
-    }
-
-    /// How many fragments each draw brought of the frame recorded with this slot, shadow maps aside, in the order of
-    /// recording; the GPU has finished it. Empty without [`RendererConfig::count_fragments`].
-    ///
-    /// # Errors
-    /// [`Error::Vulkan`], e.g. when the device was lost.
-    pub fn draw_counts(&self, slot: usize) -> Result<Vec<DrawCount>> {
-        self.fragments.as_ref().map_or(Ok(Vec::new()), |fragments| fragments.results(slot))
     }
 
     /// Device memory of the scene's buffers and textures.

@@ -114,13 +114,17 @@ pub enum Module {
     Particle,
     /// [`Self::Particle`] of several samples a pixel.
     ParticleSamples,
+    /// Places triangles over the picture.
+    OverlayVertex,
+    /// Draws them.
+    Overlay,
     /// Poses a mesh.
     Pose,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 37] = [
+    pub const ALL: [Self; 39] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -157,6 +161,8 @@ impl Module {
         Self::CompositeSamples,
         Self::ForwardSamples,
         Self::Backdrop,
+        Self::OverlayVertex,
+        Self::Overlay,
         Self::Pose,
     ];
 
@@ -190,6 +196,8 @@ impl Module {
             Self::ParticleVertex => "particle.vert",
             Self::Medium | Self::MediumSamples => "medium.frag",
             Self::Particle | Self::ParticleSamples => "particle.frag",
+            Self::OverlayVertex => "overlay.vert",
+            Self::Overlay => "overlay.frag",
             Self::Pose => "pose.comp",
         }
     }

@@ -213,6 +213,14 @@ pub struct VolumePush {
     pub unused: [u32; 3],
 }
 
+/// How large an image is that triangles are drawn over: `Push` in `glsl/overlay.vert`, std430.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct OverlayPush {
+    /// 2 / the image's size in points.
+    pub clip_from_point: [f32; 2],
+}
+
 /// Which light a draw adds: `LightPush` in `glsl/light.frag`, std430.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

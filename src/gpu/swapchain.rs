@@ -58,8 +58,8 @@ impl Object for vk::SwapchainKHR {
     }
 }
 
-/// The formats that are taken, the best first.
-const FORMATS: [OutputFormat; 2] = [OutputFormat::Bgra8Srgb, OutputFormat::Rgba8Srgb];
+/// The formats that are taken, the best first: base colours have the first, so that the image can hold them until it is written.
+const FORMATS: [OutputFormat; 2] = [OutputFormat::Rgba8Srgb, OutputFormat::Bgra8Srgb];
 
 impl Swapchain {
     /// Makes the images of a window; its size in pixels counts where the surface has none of its own. `None` where the window has no

@@ -110,6 +110,8 @@ pub fn expected_advice(plan: &Plan) -> Vec<&'static str> {
         (plan.path == Path::ForwardMultipass || plan.shadow_map.is_some(), "many-small-indexed-drawcalls"),
         // Said mistakenly of a pass that clears no attachment but a stencil.
         (plan.passes.iter().any(clears_only_stencil), "ClearValueWithoutLoadOpClear"),
+        // The layer looks for indices at the begin of mapped memory, of which an overlay's buffer is some part.
+        (plan.options.overlay, "sparse-index-buffer"),
         // A pass that only clears is all that a scene of nothing needs.
         (plan.pipelines.is_empty(), "redundant-attachment-on-tile"),
     ];

@@ -382,6 +382,7 @@ impl Plan {
             P::Lighting => "lighting".into(),
             P::Fog => "fog".into(),
             P::Backdrop => "copy of what is sampled".into(),
+            P::Overlay => "overlay".into(),
             P::Composite => format!("composite, {}", self.options.translucency),
             P::Peel { kind, first } => {
                 let flags = [(kind.double_sided, " +double-sided"), (kind.mirrored, " +mirrored")];

@@ -26,6 +26,7 @@ mod names;
 mod needs;
 mod notes;
 mod options;
+mod overlay;
 mod particles;
 mod pass;
 mod path;
@@ -238,7 +239,9 @@ impl Plan {
         samples::check(&options, path, frame.folded)?;
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options, strategy);
-        let attachments = derive::attachments(&frame, &places, &passes, &options);
+        let mut attachments = derive::attachments(&frame, &places, &passes, &options);
+        overlay::check(&options, &passes)?;
+        overlay::blend(&options, &passes, &mut attachments);
         check_counts(&passes, &attachments, strategy, &options, limits)?;
         samples::check_limits(&attachments, &passes, &options, limits)?;
         let sampled_after = |a: usize| places[a].iter().any(|&r| frame.resources[r].sampled);
@@ -246,10 +249,11 @@ impl Plan {
         let (shadow_map, shadows_told) =
             ShadowMap::new(&needs.shadows.without(&volumes.lights), &options, limits);
         let around = around::images(&needs, &options);
-        let pipelines = pipeline::of(&frame, &needs, ways);
+        let pipelines = pipeline::of(&frame, &needs, options.overlay, ways);
         let folded = frame.folded;
         let mut notes = options.gbuffer_why.clone();
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
+        notes.extend(overlay::note(&options, &passes));
         notes.extend(strategy_why);
         notes.extend(samples::notes(&options, &attachments));
         notes.extend(edges_why);

@@ -122,6 +122,8 @@ pub struct Options {
     pub shadow_volumes: bool,
     /// Whether media bend what is behind them.
     pub refraction: Refraction,
+    /// Leave room for triangles over the picture, drawn at the end of the stage that writes it: a program's own interface.
+    pub overlay: bool,
 }
 
 impl Default for Options {
@@ -163,6 +165,7 @@ impl Default for Options {
             edge_filter: false,
             shadow_volumes: false,
             refraction: Refraction::None,
+            overlay: false,
         }
     }
 }

@@ -59,6 +59,8 @@ pub enum Pipeline {
     Backdrop,
     /// Adds the light of particles of one kind.
     Particles(ParticleKind),
+    /// Draws triangles of the host's over the picture, at the end of the last stage.
+    Overlay,
 }
 
 impl Pipeline {
@@ -115,6 +117,7 @@ impl Pipeline {
 pub(super) fn of(
     frame: &Frame,
     needs: &Needs,
+    has_overlay: bool,
     (way, edges, by_volume): (LightWay, Edges, bool),
 ) -> Vec<(usize, Pipeline)> {
     let stage = |name| frame.stages.iter().position(|s| s.name == name);
@@ -173,5 +176,6 @@ pub(super) fn of(
         }
     }
     let shaded = depths.chain(surfaces).chain(sky).chain(decals).chain(lights).chain(lighting).chain(volumes);
-    shaded.chain(translucency).chain(tonemap).collect()
+    let overlay = has_overlay.then_some((frame.stages.len() - 1, Pipeline::Overlay));
+    shaded.chain(translucency).chain(tonemap).chain(overlay).collect()
 }

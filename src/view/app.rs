@@ -1,5 +1,6 @@
 //! The window's life: events of the system, scenes that are opened, frames.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -7,13 +8,14 @@ use std::time::{Duration, Instant};
 
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
-use winit::event::{StartCause, WindowEvent};
+use winit::event::{ElementState, StartCause, TouchPhase, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
 use super::frames::{Drawn, Frames};
 use super::hand::Hand;
 use super::keys::{HELP, Keys, Wish};
+use super::overlay::Overlay;
 use super::rig::{Motion, Rig};
 use super::steps::Steps;
 use super::{Viewer, no_window};
@@ -41,6 +43,9 @@ pub(super) struct App {
     loaded: Option<(PathBuf, Arc<Scene>)>,
     is_occluded: bool,
     clock: Clock,
+    /// What the user was told last.
+    pub(super) message: RefCell<String>,
+    pub(super) asks_help: bool,
     /// Why the window closes.
     failed: Option<Error>,
 }
@@ -49,6 +54,8 @@ pub(super) struct App {
 pub(super) struct Open {
     pub(super) frames: Frames,
     pub(super) window: Arc<Window>,
+    /// While it is shown, and the [`Frames::shows`] whose renderer has its image.
+    pub(super) overlay: Option<(Overlay, u64)>,
 }
 
 /// When frames were drawn.
@@ -79,6 +86,8 @@ impl App {
             loaded: None,
             is_occluded: false,
             clock: Clock { last: now, told: now, frames: 0 },
+            message: RefCell::default(),
+            asks_help: false,
             failed: None,
             viewer,
         }
@@ -126,7 +135,7 @@ impl App {
             Ok((_, Err(error))) => self.tell(&error),
             Err(TryRecvError::Empty) => return,
             Err(TryRecvError::Disconnected) => {
-                (self.viewer.tell)("the scene could not be loaded: its loader panicked")
+                self.tell_text("the scene could not be loaded: its loader panicked")
             }
         }
         self.loading = None;
@@ -149,7 +158,10 @@ impl App {
     pub(super) fn set_options(&mut self, options: Options) {
         let Some(open) = &mut self.open else { return };
         match open.frames.show(&self.scene, &options) {
-            Ok(()) => self.viewer.options = options,
+            Ok(()) => {
+                self.viewer.options = options;
+                self.message.borrow_mut().clear();
+            }
             Err(error) => self.tell(&error),
         }
     }
@@ -162,7 +174,12 @@ impl App {
     }
 
     pub(super) fn tell(&self, error: &Error) {
-        (self.viewer.tell)(&error.to_string());
+        self.tell_text(&error.to_string());
+    }
+
+    fn tell_text(&self, text: &str) {
+        self.message.replace(text.to_owned());
+        (self.viewer.tell)(text);
     }
 
     fn create_window(&mut self, events: &ActiveEventLoop) -> Result<Open> {
@@ -172,7 +189,7 @@ impl App {
             .with_inner_size(PhysicalSize::new(width, height));
         let window = Arc::new(events.create_window(attributes).map_err(|e| no_window(&e))?);
         let handles: Arc<dyn WindowHandles> = Arc::clone(&window) as _;
-        Ok(Open { frames: Frames::new(&self.viewer, handles)?, window })
+        Ok(Open { frames: Frames::new(&self.viewer, handles)?, window, overlay: None })
     }
 
     /// Width and height of the window's inside, pixels.
@@ -196,20 +213,22 @@ impl App {
             return Ok(());
         }
         if open.frames.shown().is_none() {
-            open.frames.show(&self.scene, &self.viewer.options)?;
+            self.show_first()?;
         }
         self.show_loaded();
-        let seconds = self.clock.last.elapsed().min(Duration::from_millis(100)).as_secs_f32();
+        let seconds = self.clock.last.elapsed().as_secs_f32();
         self.clock.last = Instant::now();
         let flight = self.keys.flight();
         if flight != glam::Vec3::ZERO {
-            self.rig.fly(flight * seconds);
+            self.rig.fly(flight * seconds.min(0.1));
         }
+        self.lay_out(seconds);
         let Some(open) = &mut self.open else { return Ok(()) };
+        let overlay = open.overlay.as_mut().map(|(overlay, _)| overlay);
         let view = View { camera: &self.rig.camera, exposure_ev: self.viewer.exposure_ev };
         let shot = self.steps.shot();
         open.window.pre_present_notify();
-        match open.frames.draw(&view, shot)? {
+        match open.frames.draw(&view, shot, overlay)? {
             Drawn::Frame => {
                 self.steps.frame_drawn();
                 self.clock.frames += 1;
@@ -233,7 +252,12 @@ impl App {
     fn wish(&mut self, wish: Wish, events: &ActiveEventLoop) {
         match wish {
             Wish::Quit => events.exit(),
+            Wish::Help if self.viewer.options.overlay => self.asks_help = !self.asks_help,
             Wish::Help => (self.viewer.tell)(HELP),
+            Wish::Overlay => {
+                let overlay = !self.viewer.options.overlay;
+                self.set_options(Options { overlay, ..self.viewer.options.clone() });
+            }
             Wish::Motion => {
                 self.rig.motion = match self.rig.motion {
                     Motion::Orbit => Motion::Fly,
@@ -257,7 +281,7 @@ impl App {
                 let name = |n: u32| PathBuf::from(format!("ontile-{n:04}.png"));
                 let free = (1..10_000).map(name).find(|path| !path.exists());
                 let path = free.unwrap_or_else(|| name(10_000));
-                (self.viewer.tell)(&format!("screenshot: {}", path.display()));
+                self.tell_text(&format!("screenshot: {}", path.display()));
                 self.steps.want_shot(path);
             }
             Wish::Fullscreen => {
@@ -312,7 +336,13 @@ impl ApplicationHandler for App {
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let height_px = f64::from(self.window_size()[1]);
-        self.hand.event(&event, self.keys.shift(), height_px, &mut self.rig);
+        let is_taken = match &mut self.open {
+            Some(Open { window, overlay: Some((overlay, _)), .. }) => overlay.event(window, &event),
+            _ => false,
+        };
+        if !is_taken || is_release(&event) {
+            self.hand.event(&event, self.keys.shift(), height_px, &mut self.rig);
+        }
         match event {
             WindowEvent::CloseRequested => events.exit(),
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
@@ -321,7 +351,7 @@ impl ApplicationHandler for App {
             WindowEvent::Occluded(is_occluded) => self.is_occluded = is_occluded,
             WindowEvent::Focused(false) => self.keys.release(),
             WindowEvent::DroppedFile(path) => self.load(&path),
-            WindowEvent::KeyboardInput { event, .. } => {
+            WindowEvent::KeyboardInput { event, .. } if !is_taken || !event.state.is_pressed() => {
                 if let Some(wish) = self.keys.event(&event) {
                     self.wish(wish, events);
                 }
@@ -348,5 +378,14 @@ impl ApplicationHandler for App {
         if let Some(open) = self.open.as_ref().filter(|_| draws) {
             open.window.request_redraw();
         }
+    }
+}
+
+/// Whether something is let go of, which whoever holds it wants to know.
+fn is_release(event: &WindowEvent) -> bool {
+    match event {
+        WindowEvent::MouseInput { state, .. } => *state == ElementState::Released,
+        WindowEvent::Touch(touch) => matches!(touch.phase, TouchPhase::Ended | TouchPhase::Cancelled),
+        _ => false,
     }
 }

@@ -5,9 +5,10 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::Viewer;
+use super::overlay::Overlay;
 use super::shown::Shown;
 use crate::gpu::{
-    HeadlessOptions, PipelineCache, PresentMode, Presented, Presenter, Surface, Swapchain, View,
+    HeadlessOptions, PipelineCache, PresentMode, Presented, Presenter, Renderer, Surface, Swapchain, View,
     WindowHandles, WindowHost,
 };
 use crate::plan::Options;
@@ -28,8 +29,28 @@ pub(super) struct Frames {
     frames_in_flight: usize,
     /// The window has changed since the swapchain was made.
     is_outdated: bool,
+    /// Nanoseconds since the begin of the last frame that the GPU has told of: see [`QueryResults`](crate::gpu::QueryResults).
+    stamps_ns: Vec<f64>,
+    /// How often something else was shown.
+    shows: u64,
     /// What the validation layer may say of all that was shown.
     excused: Vec<&'static str>,
+}
+
+/// Reads what the slot's last frame took, and sets what is drawn over the next.
+fn prepare(
+    renderer: &mut Renderer,
+    slot: usize,
+    is_recorded: &mut bool,
+    stamps_ns: &mut Vec<f64>,
+    overlay: Option<&Overlay>,
+) -> Result<()> {
+    if std::mem::replace(is_recorded, true)
+        && let Some(stamps) = renderer.query_results(slot)?.timestamps_ns
+    {
+        *stamps_ns = stamps;
+    }
+    overlay.map_or(Ok(()), |overlay| renderer.set_overlay(slot, &overlay.frame()))
 }
 
 /// Arm's advice against all that is asked for by other modes.
@@ -66,6 +87,8 @@ impl Frames {
             mode: viewer.present,
             frames_in_flight: viewer.frames_in_flight.max(1),
             is_outdated: false,
+            stamps_ns: Vec::new(),
+            shows: 0,
             excused: NOT_FIFO.iter().filter(|_| viewer.present != PresentMode::Fifo).copied().collect(),
         })
     }
@@ -78,6 +101,21 @@ impl Frames {
     /// Width and height of the images, while there are some.
     pub(super) fn size(&self) -> Option<[u32; 2]> {
         self.swapchain.as_ref().map(Swapchain::size)
+    }
+
+    /// Times of a frame that the GPU has finished.
+    pub(super) fn stamps_ns(&self) -> &[f64] {
+        &self.stamps_ns
+    }
+
+    /// Changes when something else is shown.
+    pub(super) fn shows(&self) -> u64 {
+        self.shows
+    }
+
+    /// The longest side of an image, texels.
+    pub(super) fn most_texels(&self) -> u32 {
+        self.host.device().limits().max_image_size
     }
 
     /// Has the images made anew with the next frame.
@@ -129,11 +167,18 @@ impl Frames {
         self.excused.extend(&shown.excused);
         self.presenter.wait()?;
         self.shown = Some(shown);
+        self.shows += 1;
+        self.stamps_ns.clear();
         Ok(())
     }
 
     /// Draws a frame to images that [`Self::prepare`] has made, and reads it back if that is asked for.
-    pub(super) fn draw(&mut self, view: &View<'_>, shot: Option<&Path>) -> Result<Drawn> {
+    pub(super) fn draw(
+        &mut self,
+        view: &View<'_>,
+        shot: Option<&Path>,
+        mut overlay: Option<&mut Overlay>,
+    ) -> Result<Drawn> {
         let (Some(swapchain), Some(shown)) = (&self.swapchain, &mut self.shown) else {
             return Ok(Drawn::Nothing);
         };
@@ -145,14 +190,22 @@ impl Frames {
         if shown.target.is_none() {
             shown.fit(swapchain)?;
         }
-        let Shown { renderer, target: Some(target), .. } = shown else { return Ok(Drawn::Nothing) };
+        let Shown { renderer, recorded, target: Some(target), .. } = shown else { return Ok(Drawn::Nothing) };
         let readback = shot.map(|path| Ok::<_, Error>((path, swapchain.readback()?))).transpose()?;
+        if let Some(overlay) = overlay.as_mut().filter(|overlay| overlay.has_new_image()) {
+            self.presenter.wait()?;
+            overlay.set_image(renderer)?;
+        }
+        let stamps_ns = &mut self.stamps_ns;
+        let mut prepared = Ok(());
         let presented = self.presenter.frame(swapchain, |recorder, slot, image| {
+            prepared = prepare(renderer, slot, &mut recorded[slot], stamps_ns, overlay.as_deref());
             renderer.record(recorder, slot, target, image, view);
             if let Some((_, readback)) = &readback {
                 swapchain.read(recorder, image, readback);
             }
         })?;
+        prepared?;
         if readback.is_some() {
             self.presenter.wait()?;
         }

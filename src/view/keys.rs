@@ -20,6 +20,7 @@ pub(super) enum Wish {
     Expose(i32),
     Screenshot,
     Fullscreen,
+    Overlay,
 }
 
 /// The keys, for people.
@@ -27,7 +28,8 @@ pub const HELP: &str = "\
 drag, one finger      turn (orbit, or look around while flying)
 right drag, shift-drag, two fingers   pan
 wheel, pinch          nearer and further
-Tab                   orbit / fly
+F                     orbit / fly
+F2                    the overlay: times, plan, bytes, options
 W A S D, Q E          fly; with Shift ten times as fast
 1 to 9, C             the scene's cameras, the next camera
 - =                   exposure by half a stop
@@ -58,7 +60,8 @@ impl Keys {
             _ if event.repeat => None,
             KeyCode::Escape => Some(Wish::Quit),
             KeyCode::KeyH | KeyCode::F1 => Some(Wish::Help),
-            KeyCode::Tab => Some(Wish::Motion),
+            KeyCode::KeyF => Some(Wish::Motion),
+            KeyCode::F2 => Some(Wish::Overlay),
             KeyCode::Digit1 => camera(0),
             KeyCode::Digit2 => camera(1),
             KeyCode::Digit3 => camera(2),

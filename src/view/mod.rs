@@ -14,7 +14,10 @@
 mod app;
 mod frames;
 mod hand;
+mod interface;
 mod keys;
+mod overlay;
+mod panels;
 mod rig;
 mod script;
 mod shown;
@@ -43,7 +46,7 @@ pub struct Viewer {
     pub scene: PathBuf,
     /// Reads it, and those that are opened later.
     pub load: Load,
-    /// How the frame is built. `size` is the window's at first, in pixels; what concerns the output follows from the window.
+    /// How the frame is built, and whether the overlay is shown. `size` is the window's at first, in pixels; what concerns the output follows from the window.
     pub options: Options,
     /// Stops.
     pub exposure_ev: f32,
@@ -64,7 +67,7 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// Shows a scene with default options.
+    /// Shows a scene with default options and the overlay.
     pub fn new(scene: impl Into<PathBuf>) -> Self {
         let load = |path: &Path| {
             let mut scene = Scene::load(path)?;
@@ -76,7 +79,7 @@ impl Viewer {
         Self {
             scene: scene.into(),
             load: Arc::new(load),
-            options: Options::default(),
+            options: Options { overlay: true, ..Options::default() },
             exposure_ev: 0.0,
             camera: None,
             present: PresentMode::Fifo,

@@ -20,6 +20,7 @@ use crate::{Error, Result};
 /// | `drag X Y` | turns the camera as if a pointer went so many pixels to the right and down |
 /// | `screenshot FILE` | shows a frame and writes it |
 /// | `live FILE` | writes what exists on the device as JSON: the number of objects by kind, and their memory |
+/// | `overlay on\|off` | shows times, plan and options over the picture, or not |
 /// | `suspend`, `resume` | as if the system took the window's surface, and gave it back |
 /// | `stay` | leaves the window to the user |
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,6 +39,7 @@ pub(super) enum Step {
     Drag([f32; 2]),
     Screenshot(PathBuf),
     Live(PathBuf),
+    Overlay(bool),
     Suspend,
     Resume,
     Stay,
@@ -104,6 +106,9 @@ fn step(line: &str) -> Result<Step, String> {
         }
         "screenshot" => file().map(Step::Screenshot),
         "live" => file().map(Step::Live),
+        "overlay" if rest == "on" => Ok(Step::Overlay(true)),
+        "overlay" if rest == "off" => Ok(Step::Overlay(false)),
+        "overlay" => Err(needs("on or off")),
         "suspend" => alone(Step::Suspend),
         "resume" => alone(Step::Resume),
         "stay" => alone(Step::Stay),
@@ -122,7 +127,7 @@ mod tests {
     #[test]
     fn lines_are_commands() {
         let text = "size 640x360 # at first\n\n  frames 3\nset layout packed128\nopen a b.glb\ncamera 1\nexposure -1.5\n\
-                    drag 10 -4\nscreenshot o.png\nlive l.json\nsuspend\nresume\nstay\n";
+                    drag 10 -4\nscreenshot o.png\nlive l.json\noverlay on\nsuspend\nresume\nstay\n";
         let expected = [
             Step::Size([640, 360]),
             Step::Frames(3),
@@ -133,6 +138,7 @@ mod tests {
             Step::Drag([10.0, -4.0]),
             Step::Screenshot("o.png".into()),
             Step::Live("l.json".into()),
+            Step::Overlay(true),
             Step::Suspend,
             Step::Resume,
             Step::Stay,
@@ -148,6 +154,7 @@ mod tests {
             ("camera", "number or name"),
             ("exposure nan", "number of stops"),
             ("drag 1", "two numbers"),
+            ("overlay", "on or off"),
             ("stay here", "stands alone"),
             ("jump", "no command 'jump'"),
         ] {

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::gpu::{
-    Commands, Device, PipelineCache, Renderer, RendererConfig, Swapchain, Target, expected_advice,
+    Commands, Device, Explanation, PipelineCache, Renderer, RendererConfig, Swapchain, Target,
+    expected_advice,
 };
-use crate::plan::{Needs, Options, OutputUse, Plan};
+use crate::plan::{Needs, Options, OutputUse, Plan, Report};
 use crate::scene::Scene;
 
 /// A scene, its renderer and, where there is a window to draw to, the target of its images. Dropped when no frame is on the GPU.
@@ -15,6 +16,10 @@ pub(super) struct Shown {
     pub(super) target: Option<Target>,
     pub(super) renderer: Renderer,
     pub(super) scene: Arc<Scene>,
+    /// Whether a frame was recorded with each slot.
+    pub(super) recorded: Vec<bool>,
+    pub(super) explanation: Explanation,
+    pub(super) report: Report,
     /// What the validation layer may say of the plan.
     pub(super) excused: Vec<&'static str>,
 }
@@ -32,14 +37,20 @@ impl Shown {
         let options = of_window(options, swapchain);
         let plan = Plan::new(Needs::of(scene), options, &device.limits())?;
         let excused = expected_advice(&plan);
-        let config = RendererConfig { frames_in_flight, ..RendererConfig::default() };
+        let (explanation, report) = (Explanation::new(scene, &plan)?, plan.report(scene));
+        // On a tiler the stages of one pass interleave, so times between them would be of nothing.
+        let interleaved = device.caps().lazily_allocated_memory && plan.passes.len() == 1;
+        let stage_timestamps = plan.options.overlay && !interleaved;
+        let config = RendererConfig { frames_in_flight, stage_timestamps, ..RendererConfig::default() };
         let mut renderer = Renderer::new(device, scene, plan, config, cache)?;
         Commands::run(device, "upload", |recorder| {
             renderer.record_upload(recorder);
             Ok(())
         })?;
         renderer.finish_upload();
-        let mut shown = Self { target: None, renderer, scene: Arc::clone(scene), excused };
+        let recorded = vec![false; renderer.frames_in_flight()];
+        let scene = Arc::clone(scene);
+        let mut shown = Self { target: None, renderer, scene, recorded, explanation, report, excused };
         shown.fit(swapchain)?;
         Ok(shown)
     }

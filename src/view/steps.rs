@@ -11,6 +11,7 @@ use winit::event_loop::ActiveEventLoop;
 use super::app::App;
 use super::hand;
 use super::script::{Script, Step};
+use crate::plan::Options;
 use crate::{Error, Result};
 
 /// The commands that are left, and what is waited for.
@@ -131,13 +132,7 @@ impl App {
                 self.load(&path);
                 self.steps.wait = Some(Wait::Loading);
             }
-            Step::Set(name, value) => {
-                let mut options = self.viewer.options.clone();
-                match options.set(&name, &value) {
-                    Ok(()) => self.set_options(options),
-                    Err(error) => self.tell(&error),
-                }
-            }
+            Step::Set(name, value) => self.set_option(&name, &value),
             Step::Camera(wanted) => self.set_camera(&wanted)?,
             Step::Exposure(ev) => self.viewer.exposure_ev = ev,
             Step::Drag([x, y]) => {
@@ -153,6 +148,9 @@ impl App {
                 if let Some(open) = &self.open {
                     open.frames.write_live(&path)?;
                 }
+            }
+            Step::Overlay(is_on) => {
+                self.set_options(Options { overlay: is_on, ..self.viewer.options.clone() });
             }
             Step::Suspend => self.suspend(events),
             Step::Resume => self.resume(events),

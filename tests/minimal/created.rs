@@ -18,7 +18,9 @@ fn names<'a>(all: impl Iterator<Item = &'a str>) -> Names {
 }
 
 /// Buffers that every frame slot has of its own.
-const OF_A_SLOT: [&str; 11] = [
+const OF_A_SLOT: [&str; 13] = [
+    "overlay vertices",
+    "overlay indices",
     "poses",
     "decals",
     "particles",
@@ -114,6 +116,7 @@ fn what_is_created_is_what_is_explained() {
                 Options { lights: LightWay::Stencil, ..small() },
                 Options { bloom: BloomWay::Previous, ..small() },
                 Options { shadow_volumes: true, ..small() },
+                Options { overlay: true, ..small() },
                 Options { samples: 4, edges: Edges::All, ..small() },
                 Options { samples: 4, edges: Edges::Coverage, ..small() },
                 Options { bloom: BloomWay::Store, strategy: Strategy::Separate, ..small() },

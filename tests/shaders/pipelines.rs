@@ -30,6 +30,7 @@ fn plans() -> Vec<(String, Plan)> {
         Options { bloom: BloomWay::Previous, ..default() },
         Options { edge_filter: true, ..default() },
         Options { shadow_volumes: true, ..default() },
+        Options { overlay: true, ..default() },
         Options { bloom: BloomWay::Store, path: Path::ForwardMultipass, ..default() },
     ]);
     options.extend(Layout::ALL.iter().map(|&layout| Options { layout, ..default() }));

@@ -3,7 +3,8 @@
 use crate::common::scenes;
 use ontile::glam::{Mat4, Vec3};
 use ontile::gpu::{
-    Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
+    Headless, HeadlessOptions, Offscreen, OverlayFrame, OverlayPart, OverlayVertex, PipelineCache,
+    RendererConfig, View, expected_advice,
 };
 use ontile::plan::{
     Access, Adreno, Bins, BloomWay, DecalWay, DepthStore, Edges, Layout, LightWay, Limits, Merging, Needs,
@@ -30,6 +31,8 @@ pub struct Case {
     pub bloom: BloomWay,
     pub translucency: Translucency,
     pub shadow_volumes: bool,
+    /// A triangle is drawn over the picture.
+    pub overlay: bool,
     pub fault: Option<Fault>,
     /// `RendererConfig::capture`.
     pub capture: bool,
@@ -92,6 +95,7 @@ impl Case {
             bloom: BloomWay::Off,
             translucency: Translucency::Sorted,
             shadow_volumes: false,
+            overlay: false,
             fault: None,
             capture: false,
             stage_timestamps: false,
@@ -130,6 +134,7 @@ impl Case {
             translucency: self.translucency,
             shadow_volumes: self.shadow_volumes,
             refraction: self.refraction,
+            overlay: self.overlay,
             ..Options::default()
         };
         // What every Adreno of these generations allows.
@@ -169,6 +174,16 @@ impl Case {
         let occupancy = plan.occupancy(plan.passes.len() - 1);
         let bins = Adreno::ALL.map(|adreno| (adreno.id, adreno.bins(&occupancy, SIZE))).into();
         let mut offscreen = Offscreen::new(host.device(), &scene, plan, config, &cache).unwrap();
+        if self.overlay {
+            let corner = |x, y| OverlayVertex { position: [x, y], texcoord: [0.5; 2], color: [128; 4] };
+            let frame = OverlayFrame {
+                vertices: &[corner(0.0, 0.0), corner(1800.0, 0.0), corner(0.0, 1000.0)],
+                indices: &[0, 1, 2],
+                parts: &[OverlayPart { clip_px: [0, 0, SIZE[0], SIZE[1]], indices: 0..3 }],
+                pixels_per_point: 1.0,
+            };
+            offscreen.renderer_mut().set_overlay(0, &frame).unwrap();
+        }
         let view = View { camera: &scene.cameras[0], exposure_ev: 0.0 };
         offscreen.render(&view).unwrap();
         if self.moves {

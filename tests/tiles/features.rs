@@ -163,3 +163,19 @@ fn all_together_stays_on_the_tile() {
         frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
     }
 }
+
+/// What is drawn over the picture costs no byte.
+#[test]
+fn an_overlay_stays_on_the_tile() {
+    let Some(turnip) = turnip::find() else { return };
+    let over = |case: Case| Case { overlay: true, ..case };
+    let cases = [
+        (3, over(metallic(ALL_STAGES))),
+        (3, over(Case { samples: 4, ..metallic(ALL_STAGES) })),
+        (1, over(Case { path: LightPath::Forward, ..metallic(ALL_STAGES) })),
+        (3, over(local_read(metallic(ALL_STAGES)))),
+    ];
+    for (subpasses, case) in &cases {
+        frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
+    }
+}

@@ -75,6 +75,9 @@ impl Elements<'_> {
             images.push(("globe maps".into(), self.globe_light()));
         }
         images.extend(plan.post.images.iter().map(|image| (image.name.clone(), image.why.into())));
+        if plan.options.overlay {
+            images.push(("overlay".into(), "the options ask for an overlay".into()));
+        }
         if let Some(map) = &plan.shadow_map {
             images.push(("shadow map".into(), self.shadow_lights()));
             images.extend(map.has_static_map.then(|| ("static shadow map".into(), self.moving())));
@@ -136,6 +139,8 @@ impl Elements<'_> {
                 format!("{} lets light through", plan.needs.transmits.as_deref().unwrap_or_default()),
             ),
             (plan.shadow_map.is_some(), "casters", self.shadow_lights()),
+            (plan.options.overlay, "overlay vertices", "the options ask for an overlay".into()),
+            (plan.options.overlay, "overlay indices", "the options ask for an overlay".into()),
             (plan.needs.posed.is_some(), "rest poses", bends()),
             (plan.needs.posed.is_some(), "poses", bends()),
         ];

@@ -82,6 +82,7 @@ impl<'a> Elements<'a> {
                 need.map_or_else(String::new, |need| need.why.clone())
             }
             Pipeline::Composite | Pipeline::Backdrop => plan.subpass(*stage).2.why.clone(),
+            Pipeline::Overlay => "the options ask for an overlay".into(),
             Pipeline::Edges => {
                 format!("{} samples a pixel: those of edges are lit one by one", plan.options.samples)
             }

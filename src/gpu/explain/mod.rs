@@ -109,6 +109,7 @@ impl Explanation {
             if part.push_constants {
                 let why = match pipeline {
                     Some((_, Pipeline::Light(_))) => "says which light is added",
+                    Some((_, Pipeline::Overlay)) => "the image's size in points",
                     Some((_, Pipeline::ShadowVolume)) => "says whose shadow is counted, and of which mesh",
                     _ => "the view of the tile that is drawn",
                 };

@@ -4,7 +4,7 @@ use ash::vk;
 
 use super::super::descriptor::{Binding, set_layout};
 use super::super::shader::{LightLoop, shared};
-use super::super::shared::{LightPush, VolumePush};
+use super::super::shared::{LightPush, OverlayPush, VolumePush};
 use super::super::{Device, Owned};
 use super::modules::lighting_constants;
 use crate::Result;
@@ -33,6 +33,8 @@ pub(in crate::gpu) enum Push {
     Light,
     /// `VolumePush`, for vertices.
     Volume,
+    /// `OverlayPush`, for vertices.
+    Overlay,
 }
 
 /// The set beside `SET_FRAME`.
@@ -131,9 +133,11 @@ impl Family {
             Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog | Pipeline::Edges => {
                 Vec::new()
             }
-            Pipeline::Peel { .. } | Pipeline::Composite | Pipeline::Absorb(_) | Pipeline::Backdrop => {
-                Vec::new()
-            }
+            Pipeline::Peel { .. }
+            | Pipeline::Composite
+            | Pipeline::Absorb(_)
+            | Pipeline::Overlay
+            | Pipeline::Backdrop => Vec::new(),
             Pipeline::Decal(_) => vec![DECALS],
             Pipeline::Particles(_) => vec![PARTICLES],
             Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
@@ -165,7 +169,7 @@ impl Family {
         // Where samples lie, if only depth tells.
         let reads_frame = match pipeline {
             Pipeline::Edges => reads_depth(plan),
-            Pipeline::Backdrop => false,
+            Pipeline::Backdrop | Pipeline::Overlay => false,
             _ => true,
         };
         let own: &[u32] = if reads_frame { &[FRAME] } else { &[] };
@@ -174,6 +178,9 @@ impl Family {
             Pipeline::Depth(kind) if !kind.alpha_mask => SecondSet::Nothing,
             Pipeline::LightMask(_) | Pipeline::ShadowVolume | Pipeline::Sky => SecondSet::Nothing,
             Pipeline::Peel { .. } if plan.subpass(stage).2.inputs.is_empty() => SecondSet::Nothing,
+            Pipeline::Overlay => {
+                SecondSet::Samplers { bindings: 1 << const { shared("BINDING_POST_COLOR") } }
+            }
             Pipeline::Surface(kind)
             | Pipeline::Depth(kind)
             | Pipeline::Light(kind)
@@ -202,6 +209,7 @@ impl Family {
         let push = match pipeline {
             Pipeline::Light(_) => Push::Light,
             Pipeline::ShadowVolume => Push::Volume,
+            Pipeline::Overlay => Push::Overlay,
             _ => Push::Nothing,
         };
         let decal_textures = match pipeline {
@@ -320,6 +328,7 @@ impl FamilyLayout {
         let push = match family.push {
             Push::Nothing => None,
             Push::Light => Some(range(vk::ShaderStageFlags::FRAGMENT, size_of::<LightPush>())),
+            Push::Overlay => Some(range(vk::ShaderStageFlags::VERTEX, size_of::<OverlayPush>())),
             Push::Volume => Some(range(vk::ShaderStageFlags::VERTEX, size_of::<VolumePush>())),
         };
         let pushes = push.as_slice();

@@ -80,6 +80,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             (Module::GeometryVertex, fragment, surface(kind).and(Specialization::behind(Some(behind_opaque))))
         }
         Pipeline::Fog => (Module::Fullscreen, Some(Module::Fog), Specialization::default()),
+        Pipeline::Overlay => (Module::OverlayVertex, Some(Module::Overlay), Specialization::default()),
         Pipeline::Particles(kind) => {
             let textures = textures(&kind.surface());
             let surface = GeometryConstants { textures, ..GeometryConstants::default() };

@@ -1,12 +1,13 @@
 //! Fixed-function state of pipelines.
 
 use std::collections::BTreeSet;
+use std::mem::offset_of;
 
 use ash::vk;
 
 use super::super::scene_data::vertex_streams;
 use super::super::shader::shared;
-use super::super::{StreamKind, conv, texel_bytes};
+use super::super::{OverlayVertex, StreamKind, conv, texel_bytes};
 use crate::Result;
 use crate::plan::{COUNT_BITS, Edges, LightWay, Pipeline, Plan, Subpass, VolumeShape};
 
@@ -20,6 +21,9 @@ pub(super) struct VertexInput {
 impl VertexInput {
     /// The attributes at these locations; others may be bound and are not read.
     pub(super) fn new(pipeline: &Pipeline, attributes: &BTreeSet<u32>) -> Result<Self> {
+        if *pipeline == Pipeline::Overlay {
+            return Ok(overlay_input());
+        }
         let (Pipeline::Surface(kind)
         | Pipeline::Absorb(kind)
         | Pipeline::Light(kind)
@@ -52,6 +56,31 @@ impl VertexInput {
             });
         }
         Ok(input)
+    }
+}
+
+/// As [`OverlayVertex`] has them.
+fn overlay_input() -> VertexInput {
+    let attribute = |location, format, offset: usize| vk::VertexInputAttributeDescription {
+        location,
+        binding: 0,
+        format,
+        offset: offset as u32,
+    };
+    let stride = size_of::<OverlayVertex>() as u32;
+    let input_rate = vk::VertexInputRate::VERTEX;
+    let float2 = vk::Format::R32G32_SFLOAT;
+    VertexInput {
+        bindings: vec![vk::VertexInputBindingDescription { binding: 0, stride, input_rate }],
+        attributes: vec![
+            attribute(const { shared("ATTRIBUTE_POSITION") }, float2, offset_of!(OverlayVertex, position)),
+            attribute(const { shared("ATTRIBUTE_TEXCOORD") }, float2, offset_of!(OverlayVertex, texcoord)),
+            attribute(
+                const { shared("ATTRIBUTE_COLOR") },
+                vk::Format::R8G8B8A8_UNORM,
+                offset_of!(OverlayVertex, color),
+            ),
+        ],
     }
 }
 
@@ -131,6 +160,15 @@ impl FixedState {
                 .src_alpha_blend_factor(vk::BlendFactor::ONE)
                 .dst_alpha_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
                 .alpha_blend_op(vk::BlendOp::ADD)
+        } else if *pipeline == Pipeline::Overlay {
+            // Colours are multiplied by alpha already; the picture stays opaque.
+            all.blend_enable(true)
+                .src_color_blend_factor(vk::BlendFactor::ONE)
+                .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+                .color_blend_op(vk::BlendOp::ADD)
+                .src_alpha_blend_factor(vk::BlendFactor::ZERO)
+                .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+                .alpha_blend_op(vk::BlendOp::ADD)
         } else if subpass.blend {
             // Over what is there, colours multiplied by alpha already; or added to it; or summed, while alpha holds what is left of
             // what is behind.
@@ -189,6 +227,7 @@ fn depth_stencil(
             let found = !subpass.depth_write && (!blended || subpass.tests_peeled);
             test.depth_compare_op(if found { vk::CompareOp::EQUAL } else { vk::CompareOp::GREATER })
         }
+        Pipeline::Overlay => test.depth_test_enable(false).depth_write_enable(false),
         // The farthest of what is left.
         Pipeline::Peel { .. } => test.depth_compare_op(vk::CompareOp::LESS),
         // All of it, whatever was there.

@@ -49,6 +49,9 @@ impl Frame<'_> {
                 let _label = recorder.label(planned.name);
                 self.draw_stage(stage);
                 stage += 1;
+                if stage == stages {
+                    self.draw_overlay();
+                }
                 if config.stage_timestamps && stage < stages {
                     let index = stage as u32;
                     queries.timestamp(recorder, slot, index, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
@@ -127,6 +130,8 @@ impl Frame<'_> {
                 Pipeline::LightVolume(shape) => self.draw_volumes(stage, index, *shape),
                 // Drawn in turns with the volumes between them.
                 Pipeline::LightMask(_) | Pipeline::EdgeVolume(_) | Pipeline::ShadowVolume => {}
+                // After all else.
+                Pipeline::Overlay => {}
                 Pipeline::ShadowedLight => self.draw_shadowed_lights(stage, index),
                 Pipeline::Particles(_) => self.draw_particles(stage, index),
                 _ => self.counted(stage, index, None, |frame| {
@@ -174,6 +179,16 @@ impl Frame<'_> {
                 }
             }
         }
+    }
+
+    /// Draws what the host has over the picture.
+    fn draw_overlay(&mut self) {
+        let Some(overlay) = self.renderer.overlay.as_ref().filter(|o| !o.is_empty(self.slot)) else { return };
+        let layout = self.bind_pipeline(overlay.pipeline());
+        self.bind_set(layout, 0, overlay.set_of_image());
+        let counts = overlay.draw(self.recorder, self.slot, layout, self.target.extent());
+        self.counts.draws += counts.draws;
+        self.counts.triangles += counts.triangles;
     }
 
     /// Draws without vertex buffers.

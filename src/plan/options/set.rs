@@ -75,12 +75,13 @@ const ALL: [(&str, Set); 40] = [
     ("shadow-volumes", |o, text| to(&mut o.shadow_volumes, text)),
     ("refraction", |o, text| to(&mut o.refraction, text)),
     ("stable-cascades", |o, text| to(&mut o.shadows.stable, text)),
+    ("overlay", |o, text| to(&mut o.overlay, text)),
 ];
 
 impl Options {
     /// Sets an option by the name that it has on the command line, to a value as it is typed there. What is on or off there takes
     /// `true` or `false` here, and what may be left open takes `auto`. Beyond those of the command line there are `output`,
-    /// `output-use`, `output-is-input-attachment`, `keep-gbuffer` and `stable-cascades`.
+    /// `output-use`, `output-is-input-attachment`, `keep-gbuffer`, `overlay` and `stable-cascades`.
     ///
     /// # Errors
     /// [`Error::Unsupported`] that lists the names, or the values, that there are.

@@ -1,0 +1,17 @@
+#version 450
+// Colours are encoded as sRGB, multiplied by alpha after that, and are mixed with the picture as light: the attachment encodes it.
+#extension GL_GOOGLE_include_directive : require
+#include "common.glsl"
+#include "srgb.glsl"
+
+layout(set = SET_POST, binding = BINDING_POST_COLOR) uniform sampler2D overlay_image;
+
+layout(location = VARYING_TEXCOORD) in vec2 varying_texcoord;
+layout(location = VARYING_COLOR) in vec4 varying_color;
+
+layout(location = TARGET_OUTPUT) out vec4 target_output;
+
+void main() {
+    vec4 encoded = varying_color * texture(overlay_image, varying_texcoord);
+    target_output = vec4(linear_from_srgb(encoded.rgb), encoded.a);
+}

@@ -1,0 +1,21 @@
+#version 450
+// Triangles in pixels, or in points of a screen that has several pixels each.
+#extension GL_GOOGLE_include_directive : require
+#include "common.glsl"
+
+layout(push_constant, std430) uniform Push {
+    vec2 clip_from_point; // 2 / the image's size in points
+} push;
+
+layout(location = ATTRIBUTE_POSITION) in vec2 position; // from the left upper corner
+layout(location = ATTRIBUTE_TEXCOORD) in vec2 texcoord;
+layout(location = ATTRIBUTE_COLOR) in vec4 color;
+
+layout(location = VARYING_TEXCOORD) out vec2 varying_texcoord;
+layout(location = VARYING_COLOR) out vec4 varying_color;
+
+void main() {
+    varying_texcoord = texcoord;
+    varying_color = color;
+    gl_Position = vec4(position * push.clip_from_point - 1.0, 0.0, 1.0);
+}

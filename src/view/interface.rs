@@ -1,0 +1,64 @@
+//! The overlay in the window's life.
+
+use super::app::{App, Open};
+use super::overlay::Overlay;
+use super::panels::Shows;
+use crate::{Error, Result};
+
+impl App {
+    /// Shows the first scene; without the overlay if it does not go with the options.
+    pub(super) fn show_first(&mut self) -> Result<()> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        match open.frames.show(&self.scene, &self.viewer.options) {
+            Err(error @ Error::Unsupported { .. }) if self.viewer.options.overlay => {
+                self.viewer.options.overlay = false;
+                open.frames.show(&self.scene, &self.viewer.options)?;
+                self.tell(&error);
+                Ok(())
+            }
+            shown => shown,
+        }
+    }
+
+    /// Makes the overlay's next frame and does what it is asked; there is one only while the plan has it.
+    pub(super) fn lay_out(&mut self, seconds: f32) {
+        let Some(Open { frames, window, overlay }) = &mut self.open else { return };
+        let (Some(shown), Some(size)) = (frames.shown(), frames.size()) else { return };
+        if !shown.renderer.plan().options.overlay {
+            *overlay = None;
+            return;
+        }
+        let (overlay, _) =
+            overlay.get_or_insert_with(|| (Overlay::new(window, frames.most_texels()), frames.shows()));
+        let asked = overlay.lay_out(
+            window,
+            &Shows {
+                shown,
+                options: &self.viewer.options,
+                exposure_ev: self.viewer.exposure_ev,
+                size,
+                frame_ms: seconds * 1e3,
+                stamps_ns: frames.stamps_ns(),
+                message: &self.message.borrow(),
+                asks_help: self.asks_help,
+            },
+        );
+        self.viewer.exposure_ev = asked.exposure_ev.unwrap_or(self.viewer.exposure_ev);
+        if let Some((name, value)) = asked.set {
+            self.set_option(name, value);
+        }
+        let Some(Open { frames, overlay: Some((overlay, shows)), .. }) = &mut self.open else { return };
+        if std::mem::replace(shows, frames.shows()) != frames.shows() {
+            overlay.renew();
+        }
+    }
+
+    /// Sets an option by its name, or goes on with those before.
+    pub(super) fn set_option(&mut self, name: &str, value: &str) {
+        let mut options = self.viewer.options.clone();
+        match options.set(name, value) {
+            Ok(()) => self.set_options(options),
+            Err(error) => self.tell(&error),
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! What the interface shows: times, the plan as a picture, the ledger, switches.
+
+use std::collections::VecDeque;
+
+use egui::{
+    Align2, CollapsingHeader, Color32, ComboBox, FontId, Rect, RichText, Sense, Stroke, Ui, pos2, vec2,
+};
+
+use super::keys::HELP;
+use super::shown::Shown;
+use crate::gpu::ExplainedKind;
+use crate::plan::{Layout, LightWay, Load, Options, Plan, Store, Strategy, Tonemap};
+
+/// What there is to show.
+pub(super) struct Shows<'a> {
+    pub(super) shown: &'a Shown,
+    pub(super) options: &'a Options,
+    pub(super) exposure_ev: f32,
+    /// Of the picture, pixels.
+    pub(super) size: [u32; 2],
+    /// Between the last two frames.
+    pub(super) frame_ms: f32,
+    /// Nanoseconds since the frame's begin: at its end, or after each stage.
+    pub(super) stamps_ns: &'a [f64],
+    /// What the user was told last.
+    pub(super) message: &'a str,
+    pub(super) asks_help: bool,
+}
+
+/// What the user asks for.
+#[derive(Default)]
+pub(super) struct Asked {
+    /// An option by its name, and its value.
+    pub(super) set: Option<(&'static str, &'static str)>,
+    pub(super) exposure_ev: Option<f32>,
+}
+
+/// What panels remember.
+#[derive(Default)]
+pub(super) struct Panels {
+    frames_ms: VecDeque<f32>,
+    gpu_ms: VecDeque<f32>,
+}
+
+/// Frames whose times are shown.
+const HISTORY: usize = 180;
+const GOOD: Color32 = Color32::from_rgb(70, 150, 90);
+const STORED: Color32 = Color32::from_rgb(200, 130, 40);
+const LOADED: Color32 = Color32::from_rgb(200, 70, 60);
+const LIVE: Color32 = Color32::from_rgb(60, 75, 95);
+
+type Switch = (&'static str, fn() -> Vec<&'static str>, fn(&Options) -> String);
+
+/// Options with their values, all by name.
+const SWITCHES: [Switch; 5] = [
+    ("strategy", || Strategy::ALL.iter().map(|v| v.name()).collect(), |o| o.strategy.to_string()),
+    ("layout", || Layout::ALL.iter().map(|v| v.name()).collect(), |o| o.layout.to_string()),
+    ("lights", || LightWay::ALL.iter().map(|v| v.name()).collect(), |o| o.lights.to_string()),
+    ("samples", || vec!["1", "2", "4", "8"], |o| o.samples.to_string()),
+    ("tonemap", || Tonemap::ALL.iter().map(|v| v.name()).collect(), |o| o.tonemap.to_string()),
+];
+
+impl Panels {
+    pub(super) fn show(&mut self, context: &egui::Context, shows: &Shows<'_>) -> Asked {
+        let remember = |times: &mut VecDeque<f32>, ms| {
+            times.truncate(HISTORY - 1);
+            times.push_front(ms);
+        };
+        remember(&mut self.frames_ms, shows.frame_ms);
+        if let Some(end) = shows.stamps_ns.last() {
+            remember(&mut self.gpu_ms, (end * 1e-6) as f32);
+        }
+        let mut asked = Asked::default();
+        let height = (context.content_rect().height() - 60.0).max(100.0);
+        egui::Window::new("ontile").default_pos([8.0, 8.0]).default_width(360.0).default_height(height).show(
+            context,
+            |ui| {
+                egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
+                    if !shows.message.is_empty() {
+                        ui.label(RichText::new(shows.message).color(Color32::LIGHT_RED));
+                    }
+                    if shows.asks_help {
+                        ui.label(RichText::new(HELP).monospace());
+                    }
+                    self.times(ui, shows);
+                    switches(ui, shows, &mut asked);
+                    section(ui, "Plan", true, |ui| plan(ui, shows.shown.renderer.plan()));
+                    section(ui, "Bytes", true, |ui| bytes(ui, shows, mean(&self.frames_ms)));
+                    section(ui, "Every object and its reason", false, |ui| objects(ui, shows.shown));
+                    section(ui, "Notes", false, |ui| {
+                        for note in &shows.shown.renderer.plan().notes {
+                            ui.label(note);
+                        }
+                    });
+                });
+            },
+        );
+        asked
+    }
+
+    fn times(&self, ui: &mut Ui, shows: &Shows<'_>) {
+        section(ui, "Times", true, |ui| {
+            let frame_ms = mean(&self.frames_ms);
+            let gpu = if self.gpu_ms.is_empty() {
+                "not told".into()
+            } else {
+                format!("{:.2} ms", mean(&self.gpu_ms))
+            };
+            ui.label(format!("frame {frame_ms:.2} ms ({:.0} a second), GPU {gpu}", 1e3 / frame_ms.max(1e-3)));
+            history(ui, &self.frames_ms, &self.gpu_ms);
+            let plan = shows.shown.renderer.plan();
+            let stages = plan.stage_count();
+            if shows.stamps_ns.len() != stages + 1 {
+                ui.label("The device tells no times of subpasses, or draws them tile by tile, one within the other.");
+                return;
+            }
+            let total = shows.stamps_ns.last().copied().unwrap_or(1.0).max(1.0);
+            for (stage, ns) in shows.stamps_ns.windows(2).enumerate() {
+                let own = ns[1] - ns[0];
+                let text = format!("{} {:.3} ms", plan.subpass(stage).2.name, own * 1e-6);
+                ui.add(egui::ProgressBar::new((own / total) as f32).desired_height(14.0).text(text));
+            }
+        });
+    }
+}
+
+fn section(ui: &mut Ui, title: &str, is_open: bool, show: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(title).default_open(is_open).show(ui, show);
+}
+
+fn mean(times: &VecDeque<f32>) -> f32 {
+    times.iter().sum::<f32>() / times.len().max(1) as f32
+}
+
+/// The newest at the right; the scale is that of the slowest.
+fn history(ui: &mut Ui, frames_ms: &VecDeque<f32>, gpu_ms: &VecDeque<f32>) {
+    let (rect, _) = ui.allocate_exact_size(vec2(340.0, 44.0), Sense::hover());
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, Color32::from_black_alpha(120));
+    let most = frames_ms.iter().copied().fold(1.0, f32::max);
+    for (times, color) in [(frames_ms, STORED), (gpu_ms, GOOD)] {
+        let at = |(i, ms): (usize, &f32)| {
+            let x = rect.right() - rect.width() * i as f32 / HISTORY as f32;
+            pos2(x, rect.bottom() - rect.height() * (ms / most).min(1.0))
+        };
+        let line: Vec<_> = times.iter().enumerate().map(at).collect();
+        painter.add(egui::Shape::line(line, Stroke::new(1.0, color)));
+    }
+    let font = FontId::monospace(10.0);
+    let label = format!("{most:.1} ms  frame (orange), GPU (green)");
+    painter.text(rect.left_top() + vec2(3.0, 2.0), Align2::LEFT_TOP, label, font, Color32::GRAY);
+}
+
+fn switches(ui: &mut Ui, shows: &Shows<'_>, asked: &mut Asked) {
+    section(ui, "Options", true, |ui| {
+        egui::Grid::new("options").num_columns(4).show(ui, |ui| {
+            for (i, (name, values, value)) in SWITCHES.iter().enumerate() {
+                let now = value(shows.options);
+                ui.label(*name);
+                ComboBox::from_id_salt(*name).width(110.0).selected_text(now.as_str()).show_ui(ui, |ui| {
+                    for value in values() {
+                        if ui.selectable_label(now == value, value).clicked() {
+                            asked.set = Some((name, value));
+                        }
+                    }
+                });
+                if i % 2 == 1 {
+                    ui.end_row();
+                }
+            }
+            ui.label("exposure");
+            let mut ev = shows.exposure_ev;
+            if ui.add(egui::DragValue::new(&mut ev).speed(0.05).range(-64.0..=64.0).suffix(" EV")).changed() {
+                asked.exposure_ev = Some(ev);
+            }
+        });
+    });
+}
+
+/// A row an attachment, a column a subpass: where it is live, written and read.
+fn plan(ui: &mut Ui, plan: &Plan) {
+    let passes =
+        || plan.passes.iter().flat_map(|pass| pass.subpasses.iter().map(move |subpass| (pass, subpass)));
+    let count = plan.passes.len();
+    let several = if count == 1 { "" } else { "es" };
+    ui.label(format!(
+        "{count} render pass{several}, {} subpasses; path {}, {}",
+        plan.stage_count(),
+        plan.path,
+        plan.strategy
+    ));
+    egui::Grid::new("plan").spacing([2.0, 2.0]).show(ui, |ui| {
+        ui.label("");
+        for (_, subpass) in passes() {
+            let title = RichText::new(subpass.name).small();
+            ui.label(title).on_hover_text(format!(
+                "{}\nlive on the tile: {} colour bits, {} depth bits a pixel",
+                subpass.why, subpass.live_color_bits, subpass.live_depth_bits
+            ));
+        }
+        ui.end_row();
+        for (index, attachment) in plan.attachments.iter().enumerate() {
+            let samples =
+                if attachment.samples > 1 { format!(" x{}", attachment.samples) } else { String::new() };
+            let why = format!("{}\n{}", attachment.holds.join("; "), attachment.why.join("; "));
+            let name = RichText::new(format!("{} {}{samples}", attachment.name, attachment.format)).small();
+            ui.label(name).on_hover_text(why.as_str());
+            for (stage, (pass, subpass)) in passes().enumerate() {
+                let own = |position: &usize| pass.attachments[*position].attachment == index;
+                let is_written = subpass.colors.iter().any(own);
+                let is_depth = subpass.depth.iter().any(own);
+                let is_read = subpass.inputs.iter().any(own);
+                let is_resolved = subpass.resolve.iter().any(|resolve| own(&resolve.to));
+                let text = match (is_written, is_read) {
+                    (true, true) => "read, written",
+                    (true, false) => "written",
+                    (false, true) => "read",
+                    _ if is_depth && subpass.depth_write => "tested, written",
+                    _ if is_depth => "tested",
+                    _ if is_resolved => "resolved",
+                    _ => "",
+                };
+                let (first, last) = attachment.lifetime;
+                let is_live = (first..=last).contains(&stage);
+                let color = if text.is_empty() { LIVE } else { GOOD };
+                cell(ui, if is_live || !text.is_empty() { Some(color) } else { None }, text, &why);
+            }
+            let of_passes =
+                || plan.passes.iter().flat_map(|p| &p.attachments).filter(|a| a.attachment == index);
+            let loads = of_passes().filter(|a| a.load == Load::Load).count();
+            let stores = of_passes().filter(|a| a.store == Store::Store).count();
+            let (color, text) = match (loads, stores) {
+                (0, 0) => (GOOD, "stays on the tile".to_owned()),
+                (0, _) => (STORED, format!("stored x{stores}")),
+                _ => (LOADED, format!("loaded x{loads}, stored x{stores}")),
+            };
+            ui.label(RichText::new(text).small().color(color)).on_hover_text(why);
+            ui.end_row();
+        }
+        ui.label(RichText::new("live bits").small());
+        for (_, subpass) in passes() {
+            let bits = format!("{}+{}", subpass.live_color_bits, subpass.live_depth_bits);
+            ui.label(RichText::new(bits).small()).on_hover_text("colour and depth bits a pixel on the tile");
+        }
+        ui.end_row();
+    });
+}
+
+fn cell(ui: &mut Ui, color: Option<Color32>, text: &str, why: &str) {
+    let (rect, response): (Rect, _) = ui.allocate_exact_size(vec2(84.0, 15.0), Sense::hover());
+    let Some(color) = color else { return };
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, color);
+    painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(10.0), Color32::WHITE);
+    response.on_hover_text(why);
+}
+
+fn bytes(ui: &mut Ui, shows: &Shows<'_>, frame_ms: f32) {
+    let totals = &shows.shown.report.totals;
+    let pixels = f64::from(shows.size[0]) * f64::from(shows.size[1]);
+    let per_second = pixels * 1e3 / f64::from(frame_ms.max(1e-3));
+    let loaded = totals.loaded_bytes_per_pixel.value + totals.post_loaded_bytes_per_pixel.value;
+    let stored = totals.stored_bytes_per_pixel.value + totals.post_stored_bytes_per_pixel.value;
+    egui::Grid::new("bytes").num_columns(3).show(ui, |ui| {
+        ui.label("attachments, planned");
+        ui.label("a pixel");
+        ui.label("a second at this rate");
+        ui.end_row();
+        for (name, bytes) in [("loaded", loaded), ("stored", stored)] {
+            ui.label(name);
+            ui.label(format!("{bytes:.1} B"));
+            ui.label(format!("{:.1} MB", bytes * per_second * 1e-6));
+            ui.end_row();
+        }
+    });
+    if totals.shadow_tile_passes > 0 {
+        let mb = totals.shadow_stored_bytes.value * 1e-6;
+        let tiles = totals.shadow_tile_passes;
+        ui.label(format!(
+            "shadow map: {mb:.1} MB stored when all {tiles} tiles are drawn; those that stand still are kept"
+        ));
+    }
+    ui.label(format!(
+        "scene and shadow maps in memory: {:.1} MB",
+        shows.shown.renderer.scene_bytes() as f64 * 1e-6
+    ));
+}
+
+fn objects(ui: &mut Ui, shown: &Shown) {
+    for object in &shown.explanation.objects {
+        let is_part = object.of.is_some() || object.kind == ExplainedKind::Subpass;
+        let indent = if is_part { "    " } else { "" };
+        ui.label(RichText::new(format!("{indent}{}", object.name)).small())
+            .on_hover_text(object.why.as_str());
+    }
+}
