@@ -34,7 +34,7 @@ fn to_size(place: &mut [u32; 2], text: &str) -> Result<(), String> {
 }
 
 /// In the order of the struct.
-const ALL: [(&str, Set); 40] = [
+const ALL: [(&str, Set); 41] = [
     ("size", |o, text| to_size(&mut o.size, text)),
     ("strategy", |o, text| to(&mut o.strategy, text)),
     ("layout", |o, text| to(&mut o.layout, text)),
