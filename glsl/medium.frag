@@ -1,7 +1,8 @@
 #version 450
 // A surface that light goes through, in two draws of fixed-function blending: what is behind is multiplied (ABSORBS) by what is let
-// through, then light of the surface itself is added.
+// through, then light of the surface itself is added. Where light is bent (REFRACTS), in one draw that replaces what is there.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
 #include "common.glsl"
 #include "frame.glsl"
 #include "pixel.glsl"
@@ -12,9 +13,11 @@
 #include "fog.glsl"
 #include "behind.glsl"
 #include "medium.glsl"
+#include "refraction.glsl"
 
 layout(constant_id = ID_FORM) const uint FORM = FORM_METALLIC;
 layout(constant_id = ID_ABSORBS) const bool ABSORBS = false;
+layout(constant_id = ID_REFRACTS) const bool REFRACTS = false;
 
 const bool SPLIT_LIGHT = FORM == FORM_RASA128;
 #include "gbuffer/light_target.glsl"
@@ -37,11 +40,26 @@ void main() {
     fragment.surface = surface;
     vec3 light = indirect_light(fragment) + complete(direct_light(surface, view_direction_world()), surface);
     vec3 exposed_light = light * (frame.exposure * alpha);
+    Bent bent = Bent(vec3(0.0), vec3(0.0), vec3(0.0));
+    vec3 tint = vec3(0.0);
+    if (REFRACTS) {
+        bent = bent_light(surface);
+        tint = surface_tint(fragment) * alpha;
+    }
     if (FOG) {
         // What is behind has its fog already: that between the surface and the viewer is what is let through of it, and the rest.
         float clear = fog_transmittance(ray_origin_world(), surface.position_world);
         vec3 color = vec3(FOG_RED, FOG_GREEN, FOG_BLUE) * (frame.exposure * (1.0 - clear));
-        exposed_light = exposed_light * clear + color * (1.0 - let_through(fragment, alpha));
+        vec3 through = REFRACTS ? tint * bent.left + (1.0 - alpha) : let_through(fragment, alpha);
+        exposed_light = exposed_light * clear + color * (1.0 - through);
+    }
+    if (REFRACTS) {
+        // Where alpha has no surface, what is behind is seen straight ahead.
+        vec4 ahead = texelFetch(behind_light, ivec2(gl_FragCoord.xy), 0);
+        vec3 behind = bent.light * tint + ahead.rgb * (1.0 - alpha);
+        float background = dot(bent.background * tint, vec3(1.0 / 3.0)) + (1.0 - ahead.a) * (1.0 - alpha);
+        target_light = vec4(exposed_light * frame.light_scale + behind, 1.0 - background);
+        return;
     }
     light_over(vec4(exposed_light * frame.light_scale, 0.0));
 }

@@ -6,7 +6,8 @@ layout(set = SET_MATERIAL, binding = BINDING_MEDIUM, std140) uniform Medium {
     float thickness_m; // the longest way
     float factor;      // of light that enters: what is not scattered back
     float f0;          // reflectance at normal incidence
-    vec2 padding;
+    float inverse_ior;
+    float padding;
 } medium;
 
 // Beer and Lambert: what is left of light after its way along the view ray, which is at most `thickness_m`.
@@ -32,12 +33,16 @@ vec3 left_behind() {
     return sum / max(before, 1.0);
 }
 
-// What arrives of light behind a fragment: beside what enters (Schlick 1994), where alpha has no surface all does.
-vec3 let_through(Fragment fragment, float alpha) {
+// The share of light that passes the surface: what enters (Schlick 1994).
+vec3 surface_tint(Fragment fragment) {
     float n_dot_v = clamp(dot(fragment.surface.normal_world, view_direction_world()), 0.0, 1.0);
     float grazing = 1.0 - n_dot_v;
     float grazing2 = grazing * grazing;
     float entered = (1.0 - medium.f0) * (1.0 - grazing2 * grazing2 * grazing);
-    float share = medium.factor * (1.0 - fragment.metallic) * entered;
-    return fragment.base_color * left_behind() * (share * alpha) + (1.0 - alpha);
+    return fragment.base_color * (medium.factor * (1.0 - fragment.metallic) * entered);
+}
+
+// What arrives of light behind a fragment: where alpha has no surface all does.
+vec3 let_through(Fragment fragment, float alpha) {
+    return surface_tint(fragment) * left_behind() * alpha + (1.0 - alpha);
 }

@@ -1,6 +1,7 @@
 #version 450
 // The walls and ends of the space behind what faces a light (src/visible/silhouette.rs): for each edge of a mesh a wall that goes on
 // for ever where one of its sides faces the light, for each triangle that does its own place and its image at an infinite distance.
+// With NEAR_ENDS those own places.
 // What is not there collapses to a point.
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
@@ -25,7 +26,7 @@ layout(push_constant, std430) uniform VolumePush {
     uint first_place;   // where the mesh's are among `casters`
     uint first_triangle;
     uint first_edge;
-    uint edge_vertices; // six an edge; three a triangle follow
+    uint edge_vertices; // six an edge; six a triangle follow
     uint turned;        // 1: triangles are clockwise from the front
     uint unused[3];
 } push;
@@ -70,24 +71,50 @@ vec4 clip_place(uint place, bool at_infinity) {
     return frame.clip_from_world * vec4(position, 1.0);
 }
 
+// Whether the far plane cuts a triangle off, as it does surfaces.
+bool is_cut_off(uvec3 places) {
+    return clip_place(places.x, false).z < 0.0 || clip_place(places.y, false).z < 0.0 || clip_place(places.z, false).z < 0.0;
+}
+
 // A corner of a triangle's near end, as it is seen from the light, or of its far end, which goes the other way round.
-vec4 end_corner(uint vertex, bool is_far) {
-    uint triangle = vertex / 3u;
-    if (!faces_light(triangle)) {
-        return vec4(0.0, 0.0, 0.0, 1.0);
-    }
-    uvec4 places = casters[push.first_triangle + triangle];
-    uint at = vertex % 3u;
-    at = is_far != (push.turned != 0u) && at != 0u ? 3u - at : at;
-    return clip_place(places[at], is_far);
+vec4 end_corner(uvec3 places, uint corner, bool is_far) {
+    bool goes_back = is_far != (push.turned != 0u);
+    return clip_place(places[goes_back && corner != 0u ? 3u - corner : corner], is_far);
 }
 
 #ifdef NEAR_ENDS
-// The triangles themselves, clipped as surfaces are, and so of the same depth to the bit.
+// The triangles themselves, clipped as surfaces are, and so of the same depth to the bit. Those that the far plane would cut off are
+// among the others, which it does not cut: what is beyond it counts too.
 void main() {
-    gl_Position = end_corner(uint(gl_VertexIndex), false);
+    uint vertex = uint(gl_VertexIndex);
+    uvec3 places = casters[push.first_triangle + vertex / 3u].xyz;
+    bool is_here = faces_light(vertex / 3u) && !is_cut_off(places);
+    gl_Position = is_here ? end_corner(places, vertex % 3u, false) : vec4(0.0, 0.0, 0.0, 1.0);
 }
 #else
+// How far the near end of a triangle that the far plane cuts lies behind the triangle itself, which is not in its own shadow: a cut
+// triangle is another, and a rasteriser rounds its depths otherwise: by units in the last place of its nearest corner's, times how
+// far beyond the screen it goes.
+float behind(uvec3 places) {
+    float nearest = 0.0;
+    for (uint i = 0u; i < 3u; i++) {
+        vec4 clip = clip_place(places[i], false);
+        nearest = max(nearest, clip.w > clip.z ? clip.z / clip.w : 1.0);
+    }
+    return nearest / 262144.0 + 1.0 / 8388608.0;
+}
+
+vec4 end(uint triangle, uint corner) {
+    uvec3 places = casters[push.first_triangle + triangle].xyz;
+    bool is_far = corner >= 3u;
+    if (!faces_light(triangle) || !(is_far || is_cut_off(places))) {
+        return vec4(0.0, 0.0, 0.0, 1.0);
+    }
+    vec4 position = end_corner(places, corner % 3u, is_far);
+    position.z -= is_far ? 0.0 : behind(places) * position.w;
+    return position;
+}
+
 vec4 wall_corner(uint vertex) {
     uvec4 edge = casters[push.first_edge + vertex / 6u];
     bool first = faces_light(edge.z);
@@ -104,8 +131,8 @@ vec4 wall_corner(uint vertex) {
 
 void main() {
     uint vertex = uint(gl_VertexIndex);
-    bool is_wall = vertex < push.edge_vertices;
-    gl_Position = is_wall ? wall_corner(vertex) : end_corner(vertex - push.edge_vertices, true);
+    uint of_end = vertex - push.edge_vertices;
+    gl_Position = vertex < push.edge_vertices ? wall_corner(vertex) : end(of_end / 6u, of_end % 6u);
     gl_ClipDistance[0] = gl_Position.w - gl_Position.z;
 }
 #endif

@@ -37,6 +37,9 @@
 #define BINDING_MATERIAL 0
 #define BINDING_TEXTURES 1
 #define BINDING_MEDIUM 2
+// Beside input attachments: what is opaque, for media that bend its way.
+#define BINDING_BEHIND_LIGHT 28
+#define BINDING_BEHIND_DEPTH 29
 
 // Input attachments, by the name of what they hold. A pipeline has those that its subpass reads: when it is made, their indices
 // and bindings in SET_INPUTS become their places in the subpass.
@@ -52,6 +55,7 @@
 #define INPUT_MORE_WORDS 9
 #define INPUT_LIGHT_WORD 10
 #define INPUT_LIGHT 11
+#define INPUT_REFRACTED_LIGHT 11
 #define INPUT_SPECULAR_LIGHT 12
 #define INPUT_EDGE 20
 #define INPUT_OCCLUSION 21
@@ -63,6 +67,7 @@
 #define INPUT_WEIGHTS 29
 #define INPUT_DEPTH_TEST 30
 #define INPUT_DEPTH_STENCIL_TEST 30
+#define INPUT_REFRACTED_DEPTH 30
 #define INPUT_PEEL_A 30
 #define INPUT_PEEL_B 30
 
@@ -96,6 +101,7 @@
 #define TARGET_MORE_WORDS 9
 #define TARGET_LIGHT_WORD 10
 #define TARGET_LIGHT 11
+#define TARGET_REFRACTED_LIGHT 11
 #define TARGET_SPECULAR_LIGHT 12
 #define TARGET_OUTPUT 13
 #define TARGET_EDGE 20
@@ -187,6 +193,7 @@
 #define ID_BEHIND_OPAQUE 95
 #define ID_HAS_BEHIND 96
 #define ID_ABSORBS 97
+#define ID_REFRACTS 98
 #define ID_DECAL_BASE_COLOR 100
 #define ID_DECAL_NORMAL 101
 #define ID_DECAL_ROUGHNESS 102

@@ -15,7 +15,7 @@ use ontile::gpu::{RendererConfig, View};
 use ontile::picture::Picture;
 use ontile::plan::{
     BloomWay, DecalWay, Edges, Layout, LightWay, Limits, Needs, Options, OutputFormat, Path, Plan,
-    ResolveWay, Strategy, Tonemap, Translucency,
+    Refraction, ResolveWay, Strategy, Tonemap, Translucency,
 };
 use ontile::scene::{Scene, Shadow};
 
@@ -68,6 +68,7 @@ fn choices(limits: &Limits) -> Vec<Choice> {
             },
         ),
         choice("edge filter", false, &[false, false, false, true], |o, v| o.edge_filter = v),
+        choice("refraction", false, &[Refraction::None, Refraction::Pass], |o, v| o.refraction = v),
         choice("shadow volumes", false, &[false, false, true], |o, v| o.shadow_volumes = v),
         choice("overlay", false, &[false, false, true], |o, v| o.overlay = v),
         choice("path", false, &paths, |o, v| o.path = v),
@@ -110,6 +111,7 @@ fn chosen_scenes() -> Vec<Scene> {
         scenes::decal_scenes::decals(),
         scenes::decal_scenes::decals_behind_glass(),
         scenes::glass_scenes::glass_in_fog(),
+        scenes::media_scenes::water_and_more(),
         shadowed(),
     ]
 }

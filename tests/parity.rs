@@ -9,7 +9,8 @@ use ontile::glam::{Mat4, Vec3};
 use ontile::gpu::{Commands, Image, ImageDesc, OutputImage, Readback, Renderer, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{
-    Choice, Layout, Load, Needs, Options, OutputFormat, Pipeline, Plan, Seen, Strategy, Tonemap, Translucency,
+    Choice, Layout, Load, Needs, Options, OutputFormat, Pipeline, Plan, Refraction, Seen, Strategy, Tonemap,
+    Translucency,
 };
 use ontile::scene::{Camera, Projection, Scene};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -122,6 +123,19 @@ fn arrangements_do_not_change_the_pixels_of_any_translucency() {
                 continue;
             }
             check_variants(gpu, &scene, &options);
+        }
+    });
+}
+
+#[test]
+fn arrangements_do_not_change_the_pixels_of_refraction() {
+    on_device(None, |gpu| {
+        let layouts = [Layout::Metallic128, Layout::Packed128, Layout::Ontile128, Layout::Thibieroz128];
+        let bent = Options { size: SIZE, refraction: Refraction::Pass, ..Options::default() };
+        for (layout, scene) in
+            layouts.into_iter().flat_map(|l| scenes::media_scenes::all().into_iter().map(move |s| (l, s)))
+        {
+            check_variants(gpu, &scene, &Options { layout, ..bent.clone() });
         }
     });
 }

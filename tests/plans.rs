@@ -6,7 +6,7 @@ use common::expected::Expected;
 use common::{environments, scenes};
 use ontile::plan::{
     BloomWay, Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Merging, Needs,
-    Normals, Options, OutputFormat, Path, Plan, Strategy,
+    Normals, Options, OutputFormat, Path, Plan, Refraction, Strategy,
 };
 use ontile::scene::Scene;
 
@@ -111,6 +111,13 @@ fn printed() -> Vec<(String, String)> {
         ),
         ("decals_blended".into(), plan(&scenes::decal_scenes::color_decals(), default())),
         ("water".into(), plan(&scenes::media_scenes::water(), default())),
+        (
+            "water_refraction".into(),
+            plan(
+                &scenes::media_scenes::water_and_more(),
+                Options { refraction: Refraction::Pass, ..default() },
+            ),
+        ),
         ("water_and_more".into(), plan(&scenes::media_scenes::water_and_more(), default())),
         ("sparks".into(), plan(&scenes::particle_scenes::sparks(), default())),
         ("sparks_alone_separate".into(), plan(&scenes::particle_scenes::sparks_alone(), separate())),

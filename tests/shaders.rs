@@ -197,6 +197,10 @@ fn interfaces_have_the_numbers_of_shared_h() {
         .filter(|name| interface.iter().any(|prefix| name.starts_with(prefix)) && !used.contains(*name))
         // What stages read in its place has its number.
         .filter(|name| !(name.starts_with("INPUT_") && numbers[*name] == numbers["INPUT_PEEL_A"]))
+        // What is drawn in place of the light is known by its number.
+        .filter(|name| {
+            numbers.get(&name.replace("REFRACTED_", "")) != numbers.get(*name) || !name.contains("REFRACTED_")
+        })
         .collect();
     assert!(unused.is_empty(), "no module has {unused:?}");
     for (name, number) in &numbers {
@@ -269,7 +273,7 @@ fn every_constant() -> Specialization {
         .and(Specialization::edge_filter(0.0))
         .and(Specialization::translucency(Translucency::Oit, 4, true))
         .and(Specialization::behind(Some(true)))
-        .and(Specialization::absorbs(true))
+        .and(Specialization::medium(true, true))
 }
 
 #[test]

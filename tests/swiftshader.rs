@@ -7,7 +7,7 @@ use common::render::{LAVAPIPE, on_device};
 use common::{scenes, swiftshader::swiftshader_env};
 use ontile::gpu::{RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::{BloomWay, DecalWay, Edges, Layout, Needs, Options, Plan, Translucency};
+use ontile::plan::{BloomWay, DecalWay, Edges, Layout, Needs, Options, Plan, Refraction, Translucency};
 use ontile::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -73,6 +73,7 @@ fn options() -> Vec<Case> {
             Options { samples: 4, size: SIZE.map(|n| 2 * n), ..small() },
         ),
         ("bloom", scenes::emissive(), Options { bloom: BloomWay::Previous, bloom_strength: 0.2, ..small() }),
+        ("refraction", scenes::media_scenes::water(), Options { refraction: Refraction::Pass, ..small() }),
         ("edge filter", lights(), Options { edge_filter: true, ..small() }),
         ("shadow volumes", Scene { lights: shadowed().lights[..1].to_vec(), ..shadowed() }, small()),
         (

@@ -1,5 +1,6 @@
 // Written by tools/shaders.
 embed![
+    "backdrop.frag",
     "base.frag",
     "bloom.frag",
     "composite.frag",

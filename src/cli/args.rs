@@ -12,7 +12,7 @@ use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
     BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, Options,
-    OutputFormat, Path, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
+    OutputFormat, Path, Refraction, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
     Translucency,
 };
 use ontile::scene::{Background, FogHeight, Scene};
@@ -212,14 +212,16 @@ pub struct PlanArgs {
     /// How far bloom reaches, as a share of the picture's shorter side, above 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 0.1, allow_negative_numbers = true)]
     pub bloom_radius: f32,
-    /// Smooth edges that depth and normals of neighbours show, in a pass after the frame's own, for which they are stored
-    /// [default: off]
+    /// Smooth edges that neighbours' depth and normals show, which are stored for a pass after the frame's own [default: off]
     #[arg(long)]
     pub edge_filter: bool,
     /// Hard shadows, exact to the pixel, by counting the spaces behind what faces a light in the stencil, on the tile, in place of
     /// shadow maps: for directional, point and spot lights without alpha masks in their reach [default: off]
     #[arg(long)]
     pub shadow_volumes: bool,
+    /// Whether water and glass bend what is behind them: none, or in a second pass, for which that is stored with its depth
+    #[arg(long, value_name = "NAME", default_value_t = Refraction::None, value_parser = named(Refraction::ALL, Refraction::name))]
+    pub refraction: Refraction,
 }
 
 impl PlanArgs {
@@ -258,6 +260,7 @@ impl PlanArgs {
             bloom_radius: self.bloom_radius,
             edge_filter: self.edge_filter,
             shadow_volumes: self.shadow_volumes,
+            refraction: self.refraction,
             dither: self.dither,
             samples: self.samples,
             edges: self.edges,

@@ -42,6 +42,7 @@ pub(super) fn medium(t: &Transmission) -> MediumData {
         thickness_m: t.thickness_m,
         factor: t.factor,
         f0: t.f0() as f32,
+        inverse_ior: 1.0 / t.ior,
         ..MediumData::default()
     }
 }

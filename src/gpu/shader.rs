@@ -110,6 +110,8 @@ pub enum Module {
     Medium,
     /// [`Self::Medium`] of several samples a pixel.
     MediumSamples,
+    /// Copies what media sample to where they are drawn.
+    Backdrop,
     /// Adds a particle's light.
     Particle,
     /// [`Self::Particle`] of several samples a pixel.
@@ -124,7 +126,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 39] = [
+    pub const ALL: [Self; 40] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -161,6 +163,7 @@ impl Module {
         Self::PeelSamples,
         Self::CompositeSamples,
         Self::ForwardSamples,
+        Self::Backdrop,
         Self::OverlayVertex,
         Self::Overlay,
         Self::Pose,
@@ -190,6 +193,7 @@ impl Module {
             Self::Peel | Self::PeelSamples => "peel.frag",
             Self::Composite | Self::CompositeSamples => "composite.frag",
             Self::Bloom => "bloom.frag",
+            Self::Backdrop => "backdrop.frag",
             Self::EdgeFilter => "edge_filter.frag",
             Self::ShadowVolumeVertex | Self::ShadowNearEndsVertex => "shadow_volume.vert",
             Self::ParticleVertex => "particle.vert",

@@ -78,8 +78,10 @@ pub struct MediumData {
     pub factor: f32,
     /// Reflectance at normal incidence.
     pub f0: f32,
+    /// 1 / index of refraction.
+    pub inverse_ior: f32,
     /// Unused.
-    pub padding: [f32; 2],
+    pub padding: f32,
 }
 
 /// What does not change about an environment: `Environment` in `glsl/light/environment.glsl`, std140.
@@ -203,7 +205,7 @@ pub struct VolumePush {
     pub first_triangle: u32,
     /// Likewise its edges.
     pub first_edge: u32,
-    /// Six an edge; three a triangle follow.
+    /// Six an edge; six a triangle follow.
     pub edge_vertices: u32,
     /// 1: triangles are clockwise from the front.
     pub turned: u32,

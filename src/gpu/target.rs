@@ -6,11 +6,11 @@ use ash::vk;
 
 use super::descriptor::{Content, DescriptorSets};
 use super::pass::{PassTarget, VulkanPass};
-use super::pipeline::Pipelines;
+use super::pipeline::{BEHIND_DEPTH, BEHIND_LIGHT, Pipelines};
 use super::post::{PostPasses, PostTarget};
 use super::shader::shared;
 use super::{Device, Image, ImageDesc, conv};
-use crate::plan::{Format, Plan, check_size};
+use crate::plan::{Format, Plan, State, check_size};
 use crate::{Error, Result};
 
 /// A host's image that frames are drawn to: of the target's size, one sample, one level, of the format
@@ -191,6 +191,15 @@ impl OutputBuilder<'_> {
                     .image_layout(conv::layout(subpass.input_states[binding]));
                 let ty = vk::DescriptorType::INPUT_ATTACHMENT;
                 sets.write(set, binding as u32, ty, &Content::Images(vec![image]));
+            }
+            for sampled in &subpass.samples {
+                let is_depth = self.plan.attachments[sampled.attachment].format.is_depth();
+                let image = vk::DescriptorImageInfo::default()
+                    .image_view(view(sampled.attachment))
+                    .image_layout(conv::layout(State::Sampled));
+                let binding = if is_depth { BEHIND_DEPTH } else { BEHIND_LIGHT };
+                let ty = vk::DescriptorType::SAMPLED_IMAGE;
+                sets.write(set, binding, ty, &Content::Images(vec![image]));
             }
             if let Some(bloom) = self.bloom.filter(|_| self.plan.applies_curve(stage)) {
                 let ty = vk::DescriptorType::COMBINED_IMAGE_SAMPLER;

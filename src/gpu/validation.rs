@@ -99,6 +99,8 @@ pub fn expected_advice(plan: &Plan) -> Vec<&'static str> {
         (plan.options.samples > 4, "too-large-sample-count"),
         // Separate passes load depth with the stencil that says what edges are, and may need it no more.
         (plan.passes.len() > 1 && plan.edges != Edges::All, "redundant-attachment-on-tile"),
+        // The host's image takes in what an earlier pass needs; no memory would be saved without.
+        (attachments().any(|a| a.attachment == 0 && a.store == Store::DontCare), "should-be-transient"),
         // What a stage clears because another used the attachment before could be cleared with its pass, were it alone in one.
         (plan.passes.iter().any(|pass| !pass.subpasses[0].clears.is_empty()), "ClearCmdBeforeDraw"),
         // The same, of what an earlier pass stored.

@@ -143,11 +143,14 @@ impl VolumeCasters {
                 first_place: place.first_place,
                 first_triangle: place.first_triangle,
                 first_edge: place.first_edge,
-                edge_vertices: if near_ends { 0 } else { place.edge_vertices },
+                edge_vertices: place.edge_vertices,
                 turned: batch.turned.into(),
                 unused: [0; 3],
             };
-            let vertices = push.edge_vertices + place.triangle_vertices;
+            let vertices = match near_ends {
+                true => place.triangle_vertices,
+                false => place.edge_vertices + 2 * place.triangle_vertices,
+            };
             let is_reached = |i: &usize| !reach.misses_aabb(&self.casters[*i].bounds_world);
             let mut rest = batch.casters.clone();
             while let Some(first) = rest.clone().find(is_reached) {

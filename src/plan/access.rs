@@ -43,6 +43,7 @@ impl Access {
             Use::Depth | Use::Stencil => [Self::DepthRead, Self::DepthWrite].into(),
             Use::DepthTest => [Self::DepthRead].into(),
             Use::Read => [Self::InputRead].into(),
+            Use::Sample => [Self::SampledRead].into(),
             Use::Modify | Use::Rewrite => [Self::InputRead, Self::ColorWrite].into(),
         }
     }
@@ -121,7 +122,8 @@ impl State {
 
     /// The one state of an attachment in a rendering whose stages use it like this.
     pub fn throughout(uses: &[Use], depth: bool) -> Self {
-        match (uses.iter().any(|how| matches!(how, Use::Read | Use::Modify | Use::Rewrite)), depth) {
+        let reads = uses.iter().any(|how| matches!(how, Use::Read | Use::Modify | Use::Rewrite));
+        match (reads, depth) {
             (true, _) => Self::LocalRead,
             (false, true) => Self::Depth,
             (false, false) => Self::Color,

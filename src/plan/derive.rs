@@ -2,14 +2,19 @@
 //! stored, and which dependencies order it all. Nothing here is typed in by hand; it follows from `Stage::uses`.
 
 mod cover;
+mod outside;
 
 use std::collections::BTreeMap;
 
 use super::access::{Access, Scope, State};
+pub(super) use outside::Order;
+use outside::{after_frame, order_after_outside, order_before_outside};
+
 use super::rendering::{self, Rendered};
 use super::stage::{Frame, Resource, Stage, Use};
 use super::{
-    Attachment, Dependency, Load, Options, Pass, PassAttachment, Resolve, Store, Strategy, Subpass, Usage,
+    Attachment, Dependency, Load, Options, Pass, PassAttachment, Resolve, SampledAttachment, Store, Strategy,
+    Subpass, Usage,
 };
 
 /// Places resources in attachments, as a compiler allocates registers: a resource may take over an attachment of
@@ -67,14 +72,30 @@ impl Touch {
 
 /// Groups stages into passes and derives every operation.
 pub fn passes(frame: &Frame, places: &[Vec<usize>], options: &Options, strategy: Strategy) -> Vec<Pass> {
-    let groups: Vec<Vec<usize>> = match strategy.is_merged() {
-        true => vec![(0..frame.stages.len()).collect()],
-        false => (0..frame.stages.len()).map(|s| vec![s]).collect(),
-    };
+    let groups = groups(frame, strategy);
     let place_of = |resource| places.iter().position(|p| p.contains(&resource)).unwrap_or(0);
     let mut states: BTreeMap<usize, State> = BTreeMap::new();
     let is_rendering = strategy == Strategy::LocalRead;
     groups.iter().map(|stages| pass(frame, options, stages, is_rendering, &place_of, &mut states)).collect()
+}
+
+/// The stages of each pass: merged, all up to one that samples what another of them has as an attachment.
+fn groups(frame: &Frame, strategy: Strategy) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (index, stage) in frame.stages.iter().enumerate() {
+        let attached_by = |s: &usize, resource| {
+            frame.stages[*s].uses.iter().any(|&(r, how)| r == resource && how != Use::Sample)
+        };
+        let follows = |group: &&mut Vec<usize>| {
+            let mut sampled = stage.uses.iter().filter(|(_, how)| *how == Use::Sample);
+            strategy.is_merged() && !sampled.any(|&(r, _)| group.iter().any(|s| attached_by(s, r)))
+        };
+        match groups.last_mut().filter(follows) {
+            Some(group) => group.push(index),
+            None => groups.push(vec![index]),
+        }
+    }
+    groups
 }
 
 fn pass(
@@ -87,7 +108,8 @@ fn pass(
 ) -> Pass {
     let mut touches: BTreeMap<usize, Vec<Touch>> = BTreeMap::new();
     for (subpass, &stage) in stages.iter().enumerate() {
-        for &(resource, how) in &frame.stages[stage].uses {
+        // What is sampled is no attachment of the pass.
+        for &(resource, how) in frame.stages[stage].uses.iter().filter(|(_, how)| *how != Use::Sample) {
             let of_attachment = touches.entry(place_of(resource)).or_default();
             match of_attachment.last_mut() {
                 Some(touch) if touch.subpass == subpass => touch.uses.push(how),
@@ -125,9 +147,17 @@ fn pass(
             let uses = |s: &Stage| s.uses.iter().any(|(r, _)| place_of(*r) == attachment);
             !frame.stages[last_stage + 1..].iter().any(uses)
         };
+        let sampled_by =
+            |s: &Stage| s.uses.iter().any(|&(r, how)| how == Use::Sample && place_of(r) == attachment);
+        let next = || {
+            let mut later = frame.stages[last_stage + 1..].iter().map(|s| s.uses.iter());
+            let of_this = |(r, _): &&(usize, Use)| place_of(*r) == attachment;
+            later.find_map(|uses| Some(uses.filter(of_this).collect::<Vec<_>>()).filter(|u| !u.is_empty()))
+        };
+        let next_samples = next().is_some_and(|uses| uses.iter().all(|(_, how)| *how == Use::Sample));
         let is_copied = frame.resources[last.resource].kept && last_stage + 1 == frame.stages.len();
         let is_output = last.resource == Frame::OUTPUT;
-        let after = if frame.resources[last.resource].sampled && is_last() {
+        let after = if next_samples || (frame.resources[last.resource].sampled && is_last()) {
             State::Sampled
         } else if is_output {
             State::after_frame(options.output_use)
@@ -147,8 +177,10 @@ fn pass(
         };
 
         dependencies.order_within(frame, touches, depth);
-        let before = order_after_outside(first, touches.len() == 1, depth, load, earlier_host);
-        let later = order_before_outside(depth, store, outside);
+        let mut earlier = earlier_host;
+        earlier.extend(frame.stages.iter().any(sampled_by).then_some(Access::SampledRead));
+        let before = order_after_outside(first, touches.len() == 1, depth, load, earlier);
+        let later = order_before_outside(depth, store, outside, next_samples);
         if is_rendering {
             rendered.push(Rendered { during, before, after: later.map(|(order, _)| order) });
         } else {
@@ -181,7 +213,7 @@ fn pass(
     let subpasses = stages
         .iter()
         .enumerate()
-        .map(|(index, &stage)| subpass(frame, stage, index, &touches, &attachments, &index_of))
+        .map(|(index, &stage)| subpass(frame, stage, index, &touches, &attachments, (&index_of, place_of)))
         .collect();
     let pass = Pass {
         name: stages.iter().map(|&s| frame.stages[s].name).collect::<Vec<_>>().join("+"),
@@ -196,50 +228,6 @@ fn pass(
         (resource.format.is_depth(), resource.format.bits() * resource.samples)
     };
     if is_rendering { rendering::of(pass, rendered, &held) } else { pass }
-}
-
-/// What must be finished and visible, and what waits for it.
-pub(super) type Order = (Scope, Scope);
-
-/// Orders a pass's first touch after earlier passes and frames, and after what the host did since.
-fn order_after_outside(first: &Touch, is_only: bool, depth: bool, load: Load, host: Scope) -> Order {
-    let mut after = Access::of(&first.uses);
-    after.insert(Access::load(depth, load));
-    if is_only {
-        after.insert(Access::store(depth));
-    }
-    let mut before: Scope = [Access::store(depth), Access::InputRead].into();
-    before.extend(host);
-    (before, after)
-}
-
-/// Orders what is done `outside` with the attachment, or later passes with what is stored, after the last touch; and says why.
-fn order_before_outside(
-    depth: bool,
-    store: Store,
-    outside: Option<(Access, &'static str)>,
-) -> Option<(Order, &'static str)> {
-    let before = [Access::store(depth)].into();
-    match outside {
-        Some((access, why)) => Some(((before, [access].into()), why)),
-        None if store == Store::Store => {
-            let after = [Access::InputRead, Access::load(depth, Load::Load), Access::TransferRead].into();
-            Some(((before, after), "later passes load what is stored"))
-        }
-        None => None,
-    }
-}
-
-/// What reads a resource after the frame's own passes.
-fn after_frame(frame: &Frame, options: &Options, resource: usize) -> Scope {
-    let Resource { kept, sampled, .. } = frame.resources[resource];
-    let host = match resource {
-        // The host's image is another one.
-        Frame::OUTPUT if options.edge_filter => None,
-        Frame::OUTPUT => Access::after_frame(options.output_use),
-        _ => kept.then_some(Access::TransferRead),
-    };
-    host.into_iter().chain(sampled.then_some(Access::SampledRead)).collect()
 }
 
 /// What becomes of a resource's stencil in a pass: it is cleared when it is first used, and forgotten after the last use.
@@ -260,7 +248,7 @@ fn subpass(
     index: usize,
     touches: &BTreeMap<usize, Vec<Touch>>,
     attachments: &[PassAttachment],
-    index_of: &dyn Fn(usize) -> usize,
+    (index_of, place_of): (&dyn Fn(usize) -> usize, &dyn Fn(usize) -> usize),
 ) -> Subpass {
     let clears = frame.clears.iter().filter(|(s, ..)| *s == stage);
     let clears = clears.map(|&(_, resource, value)| (index_of(resource), value)).collect();
@@ -299,6 +287,9 @@ fn subpass(
         let to = index_of(stage.uses[at].0);
         Resolve { from: before.count().saturating_sub(1), to, state: state(to) }
     });
+    let sampled = stage.uses.iter().filter(|(_, how)| *how == Use::Sample).map(|&(resource, _)| {
+        SampledAttachment { name: frame.resources[resource].name, attachment: place_of(resource) }
+    });
     Subpass {
         name: stage.name,
         why: stage.why.clone(),
@@ -312,6 +303,7 @@ fn subpass(
         input_names: names(INPUTS),
         input_states: of(INPUTS).iter().map(|&i| state(i)).collect(),
         inputs: of(INPUTS),
+        samples: sampled.collect(),
         depth_state: depth.map(state),
         depth,
         tests_peeled: names(&[Use::DepthTest]).iter().any(|name| name.starts_with("peel")),
@@ -419,7 +411,7 @@ pub fn attachments(
                 color: has(OUTPUTS) || has(&[Use::Resolve]),
                 depth: has(&[Use::Depth, Use::DepthTest, Use::Stencil]),
                 input: has(INPUTS),
-                sampled: resources.clone().any(|r| r.sampled),
+                sampled: resources.clone().any(|r| r.sampled) || has(&[Use::Sample]),
                 copy_source: if is_output { options.output_use == super::OutputUse::Copy } else { kept },
                 blend: has(&[Use::Blend]),
             },

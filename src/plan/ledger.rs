@@ -50,7 +50,7 @@ pub struct AttachmentReport {
     pub samples: u32,
     /// Whether it needs no memory on a tiler.
     pub transient: bool,
-    /// Bytes that all passes of a frame load from memory, a pixel.
+    /// Bytes that all passes of a frame load or sample from memory, a pixel.
     pub loaded_bytes_per_pixel: Figure,
     /// Bytes that all passes of a frame store to memory, a pixel.
     pub stored_bytes_per_pixel: Figure,
@@ -230,7 +230,7 @@ pub struct Report {
 }
 
 impl Plan {
-    /// Bytes a pixel that all passes load (first) and store (second) of one attachment.
+    /// Bytes a pixel that all passes load or sample (first) and store (second) of one attachment.
     pub fn traffic(&self, attachment: usize) -> [u32; 2] {
         let Attachment { format, samples, .. } = self.attachments[attachment];
         let bytes = format.bytes() * samples;
@@ -238,7 +238,7 @@ impl Plan {
             || self.passes.iter().flat_map(|p| &p.attachments).filter(move |a| a.attachment == attachment);
         let loads = uses().filter(|a| a.load == Load::Load).count() as u32;
         let stores = uses().filter(|a| a.store == Store::Store).count() as u32;
-        [loads * bytes, stores * bytes]
+        [loads * bytes + self.sampled_bytes(attachment), stores * bytes]
     }
 
     /// Bytes a pixel, all its samples, of all attachments of a pass, of the pass that has most: what the tile holds.
@@ -381,6 +381,7 @@ impl Plan {
             }
             P::Lighting => "lighting".into(),
             P::Fog => "fog".into(),
+            P::Backdrop => "copy of what is sampled".into(),
             P::Overlay => "overlay".into(),
             P::Composite => format!("composite, {}", self.options.translucency),
             P::Peel { kind, first } => {

@@ -34,6 +34,7 @@ mod pipeline;
 mod poses;
 mod post;
 mod print;
+mod refraction;
 mod rendering;
 mod same;
 mod samples;
@@ -67,14 +68,15 @@ pub use lights::{ClusterBudget, VolumeShape};
 pub(crate) use names::named_enum;
 pub use names::{
     BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
-    OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap, Translucency,
+    OutputUse, Path, Refraction, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap, Translucency,
 };
 pub(crate) use needs::element;
 pub use needs::{KindNeed, Needs, SLOTS, SurfaceKind};
 pub use options::{Options, ShadowOptions};
 pub use particles::{ParticleKind, ParticleNeed};
 pub use pass::{
-    Attachment, Dependency, Load, Pass, PassAttachment, Resolve, Store, Subpass, Transition, Usage,
+    Attachment, Dependency, Load, Pass, PassAttachment, Resolve, SampledAttachment, Store, Subpass,
+    Transition, Usage,
 };
 pub use pipeline::Pipeline;
 pub use poses::PosedNeed;
@@ -221,6 +223,7 @@ impl Plan {
         let gbuffer = GBuffer::new(&options)?;
         let gbuffer = if needs.over_light().is_some() { gbuffer.for_blending() } else { gbuffer };
         check_blended(&gbuffer, &needs, &options, strategy, limits)?;
+        refraction::check(&needs, &options, &gbuffer, path)?;
         if path == Path::Deferred && needs.lit_opaque.is_some() {
             let one_by_one = light_way.is_one_by_one() || by_volume;
             check_light(&gbuffer, &needs, &options, one_by_one, limits)?;
@@ -241,7 +244,8 @@ impl Plan {
         overlay::blend(&options, &passes, &mut attachments);
         check_counts(&passes, &attachments, strategy, &options, limits)?;
         samples::check_limits(&attachments, &passes, &options, limits)?;
-        let post = Post::new(&options, &attachments);
+        let sampled_after = |a: usize| places[a].iter().any(|&r| frame.resources[r].sampled);
+        let post = Post::new(&options, &attachments, &sampled_after);
         let (shadow_map, shadows_told) =
             ShadowMap::new(&needs.shadows.without(&volumes.lights), &options, limits);
         let around = around::images(&needs, &options);

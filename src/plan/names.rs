@@ -367,3 +367,17 @@ named_enum! {
         Peeled = "peeled",
     }
 }
+
+named_enum! {
+    /// Whether what is behind water and glass (KHR_materials_transmission with KHR_materials_volume and KHR_materials_ior) is seen where
+    /// its light comes from, or straight ahead.
+    #[derive(Default)]
+    Refraction {
+        /// Straight ahead: of the same pixel, which is on the tile.
+        #[default]
+        None = "none",
+        /// Bent, as far as the picture shows it: that takes neighbours, so the light of all that is opaque is stored with its depth,
+        /// and a second pass begins with a copy of it.
+        Pass = "pass",
+    }
+}

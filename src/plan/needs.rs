@@ -7,7 +7,9 @@ use serde::Serialize;
 use super::decals::{self, DecalNeed};
 use super::particles::{self, ParticleNeed};
 use super::{Around, EnvironmentNeed, LightmapNeed, LightmapUse, PosedNeed, SceneKinds, ShadowNeeds};
-use crate::scene::{AlphaMode, Background, Fog, Instance, Light, LightKind, Material, Scene, TextureRef};
+use crate::scene::{
+    AlphaMode, Background, Fog, Instance, Light, LightKind, Material, Scene, TextureRef, Transmission,
+};
 use crate::visible::Reach;
 
 /// The texture slots of a material, in the order of shader slots.
@@ -205,6 +207,9 @@ pub struct Needs {
     /// The most that a texture's sampler asks for; up to 1 is none.
     #[serde(skip_serializing_if = "is_isotropic")]
     pub anisotropy: u8,
+    /// The first of these that bends light: it has an index of refraction above 1, and is thicker than a pane.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refracts: Option<String>,
     /// The first blended material, if any: translucency and the light target under it exist for it.
     pub blended: Option<String>,
     /// Why light must be summed before lighting (emission, ambient light, unlit surfaces beside lit ones);
@@ -358,6 +363,7 @@ impl Needs {
             blended: first(|k| k.blend && !k.transmits).map(|n| n.why.clone()),
             transmits: first(|k| k.transmits).map(|n| n.why.clone()),
             anisotropy: scene.textures.iter().map(|t| t.sampler.max_anisotropy).max().unwrap_or(1),
+            refracts: refracts(scene),
             blended_triangles: scene.triangles_of(|instance| scene.is_blended(instance)),
             background: match scene.background {
                 Background::Color(color) => Some(color.to_array()),
@@ -389,6 +395,14 @@ impl Needs {
 /// An element of a scene as messages name it: by its number if it has no name.
 pub(crate) fn element(kind: &str, name: &str, index: usize) -> String {
     if name.is_empty() { format!("{kind} {index}") } else { format!("{kind} '{name}'") }
+}
+
+/// The first material drawn that bends light.
+fn refracts(scene: &Scene) -> Option<String> {
+    let materials = scene.drawn_instances().map(|instance| scene.meshes[instance.mesh].material);
+    let bends = |&index: &usize| scene.materials[index].transmits().is_some_and(Transmission::bends);
+    let first = materials.filter(bends).min()?;
+    Some(element("material", &scene.materials[first].name, first))
 }
 
 fn lights_at_a_point(scene: &Scene) -> f32 {

@@ -1,7 +1,9 @@
 //! Decisions that a reader may wonder about.
 
 use super::layout::{GBuffer, LightPlace, LightTarget, Tells};
-use super::{Attachment, Brdf, Format, LightFormat, LightWay, Needs, Options, Path, Translucency, path};
+use super::{
+    Attachment, Brdf, Format, LightFormat, LightWay, Needs, Options, Path, Translucency, path, refraction,
+};
 
 /// What a plan tells besides what it consists of.
 pub(super) fn of(
@@ -14,12 +16,8 @@ pub(super) fn of(
 ) -> Vec<String> {
     let mut notes = Vec::new();
     notes.extend(translucency(needs, options, gbuffer));
-    notes.extend(needs.transmits.as_ref().map(|first| {
-        format!(
-            "{first} lets light through, in the pass and not refracted: of what is behind it in the same pixel; it absorbs on the whole way to \
-             what is opaque, whatever lies between, and is below all that is blended"
-        )
-    }));
+    let bends = attachments.iter().any(|a| a.name.contains("refracted_light"));
+    notes.extend(refraction::note(needs, options, bends));
     if needs.anisotropy > 1 {
         notes.push(format!(
             "textures ask for anisotropy: a look-up of theirs may take up to {} samples, and Mali's samplers are larger",

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{
     BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
-    OutputUse, Path, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap, Translucency,
+    OutputUse, Path, Refraction, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap, Translucency,
 };
 use crate::environment::TexelFormat;
 
@@ -120,6 +120,8 @@ pub struct Options {
     /// Shadows by counting, in the stencil, the spaces behind what faces a light, in place of shadow maps: directional, point and spot
     /// lights, each added by itself. [`crate::scene::Shadow::volume`] says so of one light, and wins.
     pub shadow_volumes: bool,
+    /// Whether media bend what is behind them.
+    pub refraction: Refraction,
     /// Leave room for triangles over the picture, drawn at the end of the stage that writes it: a program's own interface.
     pub overlay: bool,
 }
@@ -162,6 +164,7 @@ impl Default for Options {
             bloom_radius: 0.1,
             edge_filter: false,
             shadow_volumes: false,
+            refraction: Refraction::None,
             overlay: false,
         }
     }

@@ -38,7 +38,7 @@ pub struct Usage {
     pub depth: bool,
     /// Input attachment.
     pub input: bool,
-    /// Sampled by passes after the frame's own.
+    /// Sampled by later passes.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub sampled: bool,
     /// Copied from.
@@ -169,12 +169,24 @@ pub struct Subpass {
     /// What it sets to a value as it begins, as positions; all of it is colour outputs or depth.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub clears: Vec<(usize, [f32; 4])>,
+    /// What it samples of what earlier passes have stored, neighbours too.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub samples: Vec<SampledAttachment>,
     /// Not used here, but needed later.
     pub preserve: Vec<usize>,
     /// Colour bits a pixel that the tile must hold during this subpass.
     pub live_color_bits: u32,
     /// Depth bits a pixel that the tile must hold during this subpass.
     pub live_depth_bits: u32,
+}
+
+/// What a subpass samples: it is no attachment of the pass, and in [`State::Sampled`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SampledAttachment {
+    /// What it is of.
+    pub name: &'static str,
+    /// Index into [`Plan::attachments`](super::Plan::attachments).
+    pub attachment: usize,
 }
 
 /// How the samples of a colour output become one.

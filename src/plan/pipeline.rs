@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::stage::{FOG, Frame, LAYERS, MEDIA, PARTICLES, PEEL, TRANSLUCENCY, Use};
+use super::stage::{BACKDROP, FOG, Frame, LAYERS, MEDIA, PARTICLES, PEEL, TRANSLUCENCY, Use};
 use super::{DecalKind, Edges, LightWay, Needs, ParticleKind, SurfaceKind, VolumeShape, lights};
 
 /// A graphics pipeline that a frame needs.
@@ -58,6 +58,8 @@ pub enum Pipeline {
     /// Multiplies what is behind surfaces of a kind by what they let through; drawn before [`Self::Surface`] of each, which adds their
     /// own light.
     Absorb(SurfaceKind),
+    /// Copies light and depth that are sampled to where media are drawn.
+    Backdrop,
     /// Adds the light of particles of one kind.
     Particles(ParticleKind),
     /// Draws triangles of the host's over the picture, at the end of the last stage.
@@ -77,7 +79,12 @@ impl Pipeline {
     pub fn reads_attachments(&self) -> bool {
         let whole = matches!(
             self,
-            Self::Lighting | Self::ShadowedLight | Self::Tonemap | Self::Fog | Self::Composite
+            Self::Lighting
+                | Self::ShadowedLight
+                | Self::Tonemap
+                | Self::Fog
+                | Self::Composite
+                | Self::Backdrop
         );
         let edges = matches!(self, Self::Edges | Self::EdgeLighting | Self::EdgeVolume(_));
         whole || edges || matches!(self, Self::LightVolume(_) | Self::Peel { .. })
@@ -147,13 +154,19 @@ pub(super) fn of(
         let reads = at.uses.iter().any(|(_, how)| *how == Use::Read);
         match at.name {
             FOG => translucency.push((s, Pipeline::Fog)),
+            BACKDROP => translucency.push((s, Pipeline::Backdrop)),
             TRANSLUCENCY if collected => translucency.push((s, Pipeline::Composite)),
             TRANSLUCENCY | LAYERS => {
                 translucency.extend((reads && needs.fog.is_some()).then_some((s, Pipeline::Fog)));
                 translucency.extend(blended().map(|n| (s, Pipeline::Surface(n.kind))));
             }
             MEDIA => {
-                let both = transmits().flat_map(|kind| [Pipeline::Absorb(kind), Pipeline::Surface(kind)]);
+                let refracts = at.uses.iter().any(|(_, how)| *how == Use::Sample);
+                let alone = transmits().filter(|_| refracts).map(Pipeline::Surface);
+                translucency.extend(alone.map(|pipeline| (s, pipeline)));
+                let both = transmits()
+                    .filter(|_| !refracts)
+                    .flat_map(|kind| [Pipeline::Absorb(kind), Pipeline::Surface(kind)]);
                 translucency.extend(both.map(|pipeline| (s, pipeline)));
             }
             PARTICLES => {

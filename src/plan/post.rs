@@ -98,12 +98,16 @@ impl Post {
     }
 
     /// What follows from the options and the attachments that are stored for it.
-    pub(super) fn new(options: &Options, attachments: &[Attachment]) -> Self {
+    /// `sampled` tells which.
+    pub(super) fn new(
+        options: &Options,
+        attachments: &[Attachment],
+        sampled: &dyn Fn(usize) -> bool,
+    ) -> Self {
         let mut post = Self::default();
         let light = attachments.iter().position(|a| a.name == "bloom_light");
         if options.edge_filter {
-            let sampled =
-                (0..attachments.len()).filter(|&a| attachments[a].usage.sampled && light != Some(a));
+            let sampled = (0..attachments.len()).filter(|&a| sampled(a) && light != Some(a));
             let samples = sampled.map(PostPlace::Attachment);
             post.passes.push(PostPass {
                 name: "edge_filter".into(),

@@ -175,6 +175,10 @@ impl Plan {
                 let cleared: Vec<_> = s.clears.iter().map(|(i, _)| *i).collect();
                 writeln!(f, "      clears  {}", list(&cleared))?;
             }
+            if !s.samples.is_empty() {
+                let sampled = s.samples.iter().map(|s| self.attachments[s.attachment].name.as_str());
+                writeln!(f, "      samples {}", sampled.collect::<Vec<_>>().join(", "))?;
+            }
             if !s.inputs.is_empty() {
                 writeln!(f, "      reads   {}", list(&s.inputs))?;
             }
@@ -262,6 +266,7 @@ impl Plan {
             count(self.passes.len(), self.pass_word(), if self.is_local_read() { "s" } else { "es" }),
             count(self.stage_count(), self.stage_word(), if self.is_local_read() { "s" } else { "es" })
         )?;
+        self.print_refraction(f)?;
         if let Some(map) = &self.shadow_map {
             let stored: u64 = (0..map.tiles.len()).map(|tile| map.tile_bytes(tile)).sum();
             writeln!(

@@ -47,7 +47,11 @@ fn bare_needs(needs: &Needs) -> Needs {
         decals.decals = decals.decals.min(1);
         decals.why.clear();
     }
-    for name in [&mut bare.lit, &mut bare.lit_opaque, &mut bare.blended].into_iter().flatten() {
+    for name in
+        [&mut bare.lit, &mut bare.lit_opaque, &mut bare.blended, &mut bare.transmits, &mut bare.refracts]
+            .into_iter()
+            .flatten()
+    {
         name.clear();
     }
     bare.prelit.clear();

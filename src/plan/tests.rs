@@ -37,7 +37,17 @@ fn interpret(frame: &Frame, places: &[Vec<usize>], passes: &[Pass]) -> std::resu
         }
         for _ in &pass.subpasses {
             let stage = stages.next().ok_or("more subpasses than stages")?;
-            for &(r, how) in &stage.uses {
+            let (sampled, used): (Vec<_>, Vec<_>) =
+                stage.uses.iter().partition(|(_, how)| *how == Use::Sample);
+            for &(r, _) in sampled {
+                if memory[place_of(r)] != Content::Version(r, versions[r]) {
+                    return Err(format!("{} samples {:?}", stage.name, memory[place_of(r)]));
+                }
+                if pass.attachments.iter().any(|a| a.attachment == place_of(r)) {
+                    return Err(format!("{} samples an attachment of its pass", stage.name));
+                }
+            }
+            for &(r, how) in used {
                 let cell = &mut tile[place_of(r)];
                 let expected = match versions[r] {
                     0 => Content::Cleared,
@@ -80,7 +90,9 @@ fn check_dependencies(
         for place in places {
             let uses_in = |s: usize| {
                 let uses = frame.stages[first_stage + s].uses.iter();
-                uses.filter(|(r, _)| place.contains(r)).map(|(_, how)| *how).collect::<Vec<_>>()
+                uses.filter(|(r, how)| place.contains(r) && *how != Use::Sample)
+                    .map(|(_, how)| *how)
+                    .collect::<Vec<_>>()
             };
             let users: Vec<_> = (0..pass.subpasses.len()).filter(|&s| !uses_in(s).is_empty()).collect();
             let writes = |s: usize| uses_in(s).into_iter().any(Use::writes);
@@ -123,8 +135,9 @@ fn check_dependencies(
 }
 
 prop_compose! {
-    /// Up to 5 stages that use up to 6 resources in every legal way; the last stage writes the output.
-    fn frames()(
+    /// Up to 5 stages that use up to 6 resources in every legal way; the last stage writes the output. `samples`: from some stage on
+    /// a resource may be sampled alone.
+    fn frames(samples: bool)(
         stages in 1..=5_usize,
         resources in prop::collection::vec(
             (any::<[u8; 5]>(), any::<bool>(), any::<bool>(), any::<bool>(), 0..5_usize), 0..6),
@@ -147,8 +160,13 @@ prop_compose! {
                 _ => Format::Rgba8Srgb,
             };
             all.push(resource(format, clear || is_depth, kept && how[1] % 4 == 0));
+            let sampled_from = start + 1 + usize::from(how[2] % 4);
             for stage in start..stages {
                 let first = stage == start;
+                if samples && how[0] % 2 == 0 && stage >= sampled_from {
+                    uses.entry(stage).or_default().push((r, Use::Sample));
+                    continue;
+                }
                 let how = match how[stage] % 7 {
                     1 if is_depth && !first => Use::DepthTest,
                     2 if is_depth && !first => continue,
@@ -193,7 +211,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn every_stage_finds_what_it_needs_and_nothing_is_superfluous(frame in frames(), options in options()) {
+    fn every_stage_finds_what_it_needs_and_nothing_is_superfluous(frame in frames(true), options in options()) {
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options, options.strategy);
         prop_assert_eq!(interpret(&frame, &places, &passes), Ok(()));
@@ -231,7 +249,7 @@ proptest! {
     }
 
     #[test]
-    fn the_hosts_image_is_written_only_after_the_host_has_used_it(frame in frames(), options in options()) {
+    fn the_hosts_image_is_written_only_after_the_host_has_used_it(frame in frames(false), options in options()) {
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options, options.strategy);
         let host = Access::after_frame(options.output_use).unwrap();
@@ -255,7 +273,7 @@ proptest! {
     }
 
     #[test]
-    fn attachments_of_a_rendering_have_one_state(frame in frames(), mut options in options()) {
+    fn attachments_of_a_rendering_have_one_state(frame in frames(false), mut options in options()) {
         options.strategy = super::Strategy::LocalRead;
         let places = derive::place(&frame, &options);
         let pass = &derive::passes(&frame, &places, &options, options.strategy)[0];
@@ -280,7 +298,7 @@ proptest! {
     }
 
     #[test]
-    fn recycling_saves_attachments_and_never_adds_traffic(frame in frames(), options in options()) {
+    fn recycling_saves_attachments_and_never_adds_traffic(frame in frames(false), options in options()) {
         let count = |recycle| {
             let options = Options { recycle, ..options.clone() };
             let places = derive::place(&frame, &options);
@@ -297,7 +315,7 @@ proptest! {
     }
 
     #[test]
-    fn one_pass_touches_memory_only_for_what_is_kept(frame in frames(), mut options in options()) {
+    fn one_pass_touches_memory_only_for_what_is_kept(frame in frames(false), mut options in options()) {
         options.strategy = super::Strategy::Subpasses;
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options, options.strategy);

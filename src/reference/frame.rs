@@ -12,8 +12,9 @@ use super::fog::fogged;
 use super::gbuffer::{Attributes, attributes, emitting};
 use super::layers::{Blended, Layer, over};
 use super::media::{Film, behind};
-use super::particles::Sparks;
+use super::particles::{Shine, Sparks};
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
+use super::refraction::Backdrop;
 use super::settings::Settings;
 use super::shade::reflected_parts;
 use super::shadow::Occlusion;
@@ -113,6 +114,13 @@ impl<'a> Tracer<'a> {
     /// # Panics
     /// If an index within the scene is out of range.
     pub fn render(&self, camera: &Camera, settings: &Settings) -> Frame {
+        let refracts = settings.refraction && self.blended.is_some();
+        let backdrop = refracts.then(|| Backdrop::new(self.draw(camera, settings, None, false)));
+        self.draw(camera, settings, backdrop.as_ref(), true)
+    }
+
+    /// `over`: with what lies over what is opaque.
+    fn draw(&self, camera: &Camera, settings: &Settings, backdrop: Option<&Backdrop>, over: bool) -> Frame {
         let view = settings.view(camera);
         let Tracer { scene, visibility, blended, around, decals, particles } = self;
         let occlusion = Occlusion::new(scene, visibility);
@@ -121,7 +129,7 @@ impl<'a> Tracer<'a> {
 
         let centers = Lattice::trace(visibility, &view, [width, height], 0.5);
         let corners = Lattice::trace(visibility, &view, [width + 1, height + 1], 0.0);
-        let blended = blended.as_ref().map(|blended| {
+        let blended = blended.as_ref().filter(|_| over).map(|blended| {
             let trace = |size, start_px| blended.trace(visibility, &view, size, start_px);
             (blended, trace([width, height], 0.5), trace([width + 1, height + 1], 0.0))
         });
@@ -149,14 +157,24 @@ impl<'a> Tracer<'a> {
                     )
                     .linear;
                     let alpha = blended.alpha(hit);
-                    let (at, shown) = ((&ray, hit, opaque_m), (exact.normal_world, alpha, light));
-                    match Film::new(blended.visibility(), &view, settings.exposure(), at, shown) {
-                        Some(film) => films.push(film),
+                    let shown = (exact.normal_world, alpha, light);
+                    let (of, exposure) = (blended.visibility(), settings.exposure());
+                    let film = match backdrop {
+                        Some(b) => b.film(of, (&view, [x, y]), exposure, (&ray, hit), shown),
+                        None => {
+                            Film::new(of, &view, exposure, (&ray, hit, opaque_m), shown).map(|f| (f, false))
+                        }
+                    };
+                    match film {
+                        Some((film, torn)) => {
+                            films.push(film);
+                            edge = edge || torn;
+                        }
                         None => layers.push(Layer { light, alpha }),
                     }
                 }
             }
-            let shine = particles.shine(&view, &ray, opaque_m);
+            let shine = if over { particles.shine(&view, &ray, opaque_m) } else { Shine::default() };
             edge = edge || shine.edge;
             let over = Over { films: &films, layers: &layers, added_nt: shine.light_nt };
             let Some(hit) = centers.at(x, y) else {

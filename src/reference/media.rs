@@ -15,6 +15,8 @@ pub(super) struct Film {
     pub(super) through: DVec3,
     /// Exposed light that is added, as it arrives at the viewer.
     pub(super) light: DVec3,
+    /// How much of a background's colour is covered, whatever is behind it; `None` as follows from `through`.
+    pub(super) covered: Option<f64>,
 }
 
 /// The surface without what of it lets light through: less diffuse light, and the reflectance of its index of refraction.
@@ -39,24 +41,33 @@ impl Film {
         (ray, hit, opaque_m): (&Ray, &Hit, f64),
         (normal_world, alpha, shaded): (DVec3, f64, DVec3),
     ) -> Option<Self> {
-        let (transmission, base_color, metallic) = medium(visibility, hit)?;
-        let n_dot_v = normal_world.dot(-ray.direction.normalize()).clamp(0.0, 1.0);
-        let entered = (1.0 - transmission.f0()) * (1.0 - (1.0 - n_dot_v).powi(5));
-        let share = f64::from(transmission.factor) * (1.0 - metallic) * entered;
+        let (transmission, tint) = tint(visibility, (ray, hit), normal_world)?;
         let way_m = (opaque_m - hit.distance) * ray.direction.length();
-        let through = base_color * transmission.left_after(way_m) * (share * alpha) + (1.0 - alpha);
+        let through = tint * transmission.left_after(way_m) * alpha + (1.0 - alpha);
         // What is behind has its fog already: that before the surface is what is let through of it, and the rest.
         let at = ray.at(hit.distance);
         let fog = visibility.scene.fog.as_ref();
         let fog = fog.map_or(DVec3::ZERO, |fog| fogged(fog, DVec3::ZERO, exposure, view.ray_start(at), at));
-        Some(Self { through, light: (shaded - fog) * alpha + fog * (1.0 - through) })
+        Some(Self { through, light: (shaded - fog) * alpha + fog * (1.0 - through), covered: None })
     }
+}
+
+/// The share of light that passes a surface with this shading normal, coloured by it; `None` if light does not go through it.
+pub(super) fn tint<'a>(
+    visibility: &Visibility<'a>,
+    (ray, hit): (&Ray, &Hit),
+    normal_world: DVec3,
+) -> Option<(&'a Transmission, DVec3)> {
+    let (transmission, base_color, metallic) = medium(visibility, hit)?;
+    let n_dot_v = normal_world.dot(-ray.direction.normalize()).clamp(0.0, 1.0);
+    let entered = (1.0 - transmission.f0()) * (1.0 - (1.0 - n_dot_v).powi(5));
+    Some((transmission, base_color * (f64::from(transmission.factor) * (1.0 - metallic) * entered)))
 }
 
 /// What is left of light, and how much of what was behind all of them is covered; from far to near.
 pub(super) fn behind(light: DVec3, near_to_far: &[Film]) -> (DVec3, f64) {
     near_to_far.iter().rev().fold((light, 0.0), |(light, covered), film| {
         let left = film.through.element_sum() / 3.0;
-        (light * film.through + film.light, 1.0 - (1.0 - covered) * left)
+        (light * film.through + film.light, film.covered.unwrap_or(1.0 - (1.0 - covered) * left))
     })
 }

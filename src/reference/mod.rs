@@ -38,6 +38,7 @@ mod particles;
 pub mod path;
 pub mod punctual;
 pub mod quantise;
+mod refraction;
 pub mod samples;
 mod settings;
 pub mod shade;

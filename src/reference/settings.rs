@@ -35,6 +35,9 @@ pub struct Settings {
     pub brdf: Brdf,
     /// What stores the lightmap; `None` keeps f64.
     pub lightmap: Option<TexelFormat>,
+    /// Whether media show what is behind them where a plan that refracts finds it
+    /// ([`Plan::refracts`](crate::plan::Plan::refracts)).
+    pub refraction: bool,
 }
 
 impl Default for Settings {
@@ -52,6 +55,7 @@ impl Default for Settings {
             around: Method::default(),
             brdf: Brdf::Exact,
             lightmap: None,
+            refraction: false,
         }
     }
 }

@@ -112,6 +112,21 @@ impl View {
         self.ray(DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5))
     }
 
+    /// Where in the image a point in world space is, in pixels as of [`Self::ray`]; `None` where it is not before the camera.
+    pub fn place(&self, position_world: DVec3) -> Option<DVec2> {
+        let from_camera = position_world - self.position_world;
+        let distance = from_camera.dot(self.forward_world);
+        let on_plane = match self.projection {
+            Projection::Perspective { .. } if distance <= 0.0 => return None,
+            Projection::Perspective { .. } => from_camera / distance,
+            Projection::Orthographic { .. } => from_camera,
+        };
+        let along = |axis: DVec3| on_plane.dot(axis) / axis.length_squared();
+        let ndc = DVec2::new(along(self.right_world), along(self.down_world));
+        let size = DVec2::new(f64::from(self.size[0]), f64::from(self.size[1]));
+        Some((ndc + 1.0) * 0.5 * size - self.origin_px)
+    }
+
     /// Unit vector from a point in world space towards the viewer: the `v` of the shading formulas.
     pub fn to_viewer(&self, position_world: DVec3) -> DVec3 {
         match self.projection {
@@ -191,6 +206,8 @@ mod tests {
                     (back - DVec2::from(place)).length() < 320.0 * F32_TOLERANCE,
                     "{projection:?} {back}"
                 );
+                let again = view.place(view.ray(DVec2::from(place)).at(distance)).unwrap();
+                assert!(again.abs_diff_eq(DVec2::from(place), 1e-9), "{projection:?}: {again}");
                 let depth = view.depth_from_distance(distance);
                 assert!((ndc.z - depth).abs() < F32_TOLERANCE, "{projection:?}: {} {depth}", ndc.z);
                 let [p, q, r, s] = projection.distance_from_depth().map(f64::from);

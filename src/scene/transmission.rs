@@ -8,7 +8,8 @@ use glam::{DVec3, Vec3};
 /// The way is that of the view ray, from the surface to what is opaque behind it in the same pixel, and at most as long as
 /// [`Self::thickness_m`]. Of what is behind arrives, in each channel, the factor times the base colour, times what the way leaves
 /// (Beer and Lambert), times what the surface does not reflect (Schlick 1994). Cameras are outside of what fills the space; where
-/// several such surfaces lie over each other, each takes its whole way.
+/// several such surfaces lie over each other, each takes its whole way. Where a frame refracts (the
+/// option `refraction`) it is the way of the ray that the surface bends, as far as the picture shows what that meets, and the nearest surface shows nothing of the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transmission {
     /// The share of light that enters and is not scattered back as diffuse light: 0 to 1.
@@ -48,6 +49,12 @@ impl Transmission {
     /// The share of light that a way of so many metres leaves.
     pub fn left_after(&self, way_m: f64) -> DVec3 {
         (-self.absorption_per_m() * way_m.min(f64::from(self.thickness_m))).exp()
+    }
+
+    /// Whether light goes on in another direction behind the surface: a thin pane has another surface that bends it back
+    /// (KHR_materials_volume).
+    pub fn bends(&self) -> bool {
+        self.thickness_m > 0.0 && self.ior > 1.0
     }
 
     /// Reflectance at normal incidence.

@@ -16,8 +16,11 @@ use ontile::gpu::{
     RendererConfig, View,
 };
 use ontile::picture::Pixels;
-use ontile::plan::{LightWay, Needs, Options, Path, Plan, Strategy};
-use ontile::scene::{Camera, Decal, Instance, Light, LightKind, Material, Mesh, Projection, Scene};
+use ontile::plan::{LightWay, Needs, Options, Path, Plan, Refraction, Strategy};
+use ontile::scene::{
+    Camera, Decal, Instance, Light, LightKind, Material, Mesh, Particle, Particles, Projection, Scene,
+    Transmission,
+};
 
 const SIZES: [[u32; 2]; 2] = [[160, 96], [72, 120]];
 
@@ -255,6 +258,26 @@ fn renderers_share_a_device_and_a_command_buffer() {
     assert_eq!(engine.finish(true), Vec::<String>::new());
 }
 
+/// The scene behind a pane of water, with sparks before it.
+fn under_water(scene: &Scene) -> Scene {
+    let mut wet = scene.clone();
+    let glow = Material { emissive_factor: Vec3::ONE, ..Material::default() };
+    let medium = Transmission { factor: 0.9, thickness_m: 0.5, ..Transmission::default() };
+    let water = Material { transmission: Some(medium), ..Material::default() };
+    wet.materials.extend([glow, water]);
+    let spark = |x: f32| Particle {
+        position_world: vec3(x, 0.1, 0.8),
+        size_m: 0.3,
+        rotation_rad: 0.4,
+        color: Vec3::ONE,
+    };
+    let particles = Particles::new(wet.materials.len() - 2, 0.2, [-0.3, 0.0, 0.4].map(spark).to_vec());
+    wet.particles.push(particles);
+    wet.meshes.push(square(0.6, 0.8, wet.materials.len() - 1));
+    wet.instances.push(Instance::new(wet.meshes.len() - 1, Mat4::IDENTITY));
+    wet
+}
+
 #[test]
 fn recording_allocates_nothing() {
     let Some(mut engine) = engine() else { return };
@@ -266,8 +289,19 @@ fn recording_allocates_nothing() {
         Decal::new(0, Mat4::from_translation(vec3(x, 0.0, 0.0)) * Mat4::from_scale(Vec3::splat(0.6)))
     };
     let painted = Scene { decals: [0.0, 0.2, -0.9].map(spot).to_vec(), ..scene.clone() };
-    for options in methods().into_iter().chain([of(Strategy::Separate)]) {
-        let scene = if options.path == Path::Deferred { &painted } else { &scene };
+    let bent = Options { refraction: Refraction::Pass, ..Options::default() };
+    let cases = methods().map(|options| match options.path {
+        Path::Deferred => (options, painted.clone()),
+        _ => (options, scene.clone()),
+    });
+    let wet = under_water(&painted);
+    let cases = cases.into_iter().chain([
+        (of(Strategy::Separate), painted),
+        (Options::default(), wet.clone()),
+        (bent, wet),
+    ]);
+    for (options, scene) in cases {
+        let scene = &scene;
         let mut renderer = renderer(&device, scene, &options);
         upload(&engine, &device, &mut renderer);
         let images = images(&mut engine, &renderer, SIZES[0], 1);

@@ -6,8 +6,8 @@ use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererC
 use ontile::measure::stored;
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{
-    Brdf, DepthStore, Gamma, Layout, LightFormat, Needs, Normals, Options, OutputFormat, Path, Plan, Tonemap,
-    Translucency,
+    Brdf, DepthStore, Gamma, Layout, LightFormat, Needs, Normals, Options, OutputFormat, Path, Plan,
+    Refraction, Tonemap, Translucency,
 };
 use ontile::reference::around::Method;
 use ontile::reference::{Settings, Stored};
@@ -44,6 +44,7 @@ pub struct Ask {
     pub output: OutputFormat,
     pub lightmap: TexelFormat,
     pub translucency: Translucency,
+    pub refraction: Refraction,
 }
 
 impl Ask {
@@ -61,6 +62,7 @@ impl Ask {
         output: OutputFormat::Rgba32Float,
         lightmap: TexelFormat::E5B9G9R9,
         translucency: Translucency::Sorted,
+        refraction: Refraction::None,
     };
 
     pub fn options(&self) -> Options {
@@ -77,6 +79,7 @@ impl Ask {
             output: self.output,
             lightmap_format: self.lightmap,
             translucency: self.translucency,
+            refraction: self.refraction,
             ..Options::default()
         }
     }
@@ -146,6 +149,7 @@ impl Gpu {
             around: Method::Prefiltered(plan.options.environment_format),
             brdf: ask.brdf,
             lightmap: Some(plan.options.lightmap_format),
+            refraction: plan.refracts(),
             ..Settings::default()
         };
         let mut offscreen = Offscreen::new(device, scene, plan, RendererConfig::default(), &self.cache)

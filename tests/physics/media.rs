@@ -1,9 +1,9 @@
 //! Light that goes through surfaces, against the reference, which knows the exact way through them.
 
 use ontile::glam::Vec3;
-use ontile::plan::{Layout, Translucency};
+use ontile::plan::{Layout, Refraction, Translucency};
 use ontile::reference::render;
-use ontile::scene::{Scene, Transmission};
+use ontile::scene::{Background, Camera, Projection, Scene, Transmission};
 
 use crate::common::scenes::media_scenes::{water, water_alone, water_and_more};
 use crate::error::Errors;
@@ -20,7 +20,7 @@ fn with_others() -> Scene {
 #[test]
 fn light_that_is_let_through_is_the_references() {
     let Some(gpu) = Gpu::open() else { return };
-    let failed = differing(&gpu, [water(), misty(water()), with_others(), water_alone()]);
+    let failed = differing(&gpu, Ask::EXACT, [water(), misty(water()), with_others(), water_alone()]);
     gpu.finish();
     assert!(failed.is_empty(), "{failed:#?}");
 }
@@ -62,12 +62,48 @@ const FAULTS: &[Fault] = &[
     ("lets through 1 % more", |t| t.factor *= 1.01),
 ];
 
-#[test]
-fn every_fault_of_media_is_caught() {
-    let spoilt = FAULTS.iter().map(|(name, fault)| {
+fn spoilt_media(faults: &'static [Fault]) -> impl Iterator<Item = (&'static str, Scene)> {
+    faults.iter().map(|(name, fault)| {
         let mut faulty = water();
         faulty.materials.iter_mut().filter_map(|m| m.transmission.as_mut()).for_each(fault);
         (*name, faulty)
-    });
-    catches(&water(), spoilt);
+    })
+}
+
+#[test]
+fn every_fault_of_media_is_caught() {
+    let spoilt = spoilt_media(FAULTS);
+    catches(&water(), Ask::EXACT, spoilt);
+}
+
+const BENT: Ask = Ask { refraction: Refraction::Pass, ..Ask::EXACT };
+
+/// Where neighbours are sampled, on every path, in fog, before a background's colour, below panes and particles.
+#[test]
+fn light_that_is_bent_is_the_references() {
+    let Some(gpu) = Gpu::open() else { return };
+    let background = Background::Color(Vec3::new(0.5, 0.4, 0.3));
+    let on_paper = Scene { background, ..water() };
+    let parallel = Scene { cameras: vec![orthographic()], name: "parallel".into(), ..water() };
+    let failed = differing(&gpu, BENT, [water(), misty(on_paper), with_others(), parallel]);
+    gpu.finish();
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// The same place and direction.
+fn orthographic() -> Camera {
+    let projection = Projection::Orthographic { xmag_m: 1.6, ymag_m: 0.9, znear_m: 0.1, zfar_m: 10.0 };
+    Camera { name: "parallel".into(), projection, ..water().cameras[0].clone() }
+}
+
+const BENT_FAULTS: &[Fault] = &[
+    ("bends 1 % less", |t| t.ior *= 0.99),
+    ("does not bend", |t| t.ior = 1.0),
+    ("bends for no longer than a tenth of the thickness", |t| t.thickness_m *= 0.1),
+    ("absorbs 2 % more", |t| t.attenuation_distance_m *= 0.98),
+];
+
+#[test]
+fn every_fault_of_refraction_is_caught() {
+    catches(&water(), BENT, spoilt_media(BENT_FAULTS));
 }

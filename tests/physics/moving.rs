@@ -4,7 +4,7 @@ use ontile::glam::{Mat4, Vec3};
 use ontile::scene::{Image, Scene};
 
 use crate::common::scenes::moving_scenes::{bending, bending_mapped, frozen, moved};
-use crate::gpu::Gpu;
+use crate::gpu::{Ask, Gpu};
 use crate::over_light::{Fault, catches, differing, spoilt};
 
 /// At rest, in the midst, and at the end.
@@ -22,7 +22,7 @@ fn what_bends_is_lit_as_the_reference_does() {
     let mut mapped = moved(bending_mapped(), 1.1);
     mapped.images[0] = texel();
     let all = plain.into_iter().chain([mapped]).map(|scene| scene.without_shadows());
-    let failed = differing(&gpu, all);
+    let failed = differing(&gpu, Ask::EXACT, all);
     gpu.finish();
     assert!(failed.is_empty(), "{failed:#?}");
 }
@@ -63,5 +63,5 @@ const FAULTS: &[Fault] = &[
 fn wrong_poses_are_caught() {
     let mut scene = moved(bending_mapped(), 0.9).without_shadows();
     scene.images[0] = texel();
-    catches(&scene, spoilt(&scene, FAULTS));
+    catches(&scene, Ask::EXACT, spoilt(&scene, FAULTS));
 }

@@ -18,14 +18,14 @@ pub fn misty(scene: Scene) -> Scene {
 }
 
 /// The scenes and paths of which a picture is not the reference's, with a tone curve and without.
-pub fn differing(gpu: &Gpu, scenes: impl IntoIterator<Item = Scene>) -> Vec<String> {
+pub fn differing(gpu: &Gpu, base: Ask, scenes: impl IntoIterator<Item = Scene>) -> Vec<String> {
     let mut failed = Vec::new();
     for scene in scenes {
         let camera = &scene.cameras[0];
         for (path, tonemap) in
             PATHS.into_iter().flat_map(|p| [Tonemap::Linear, Tonemap::Aces].map(|t| (p, t)))
         {
-            let rendered = gpu.render(&scene, camera, Ask { path, tonemap, ..Ask::EXACT });
+            let rendered = gpu.render(&scene, camera, Ask { path, tonemap, ..base });
             let expected = render(&scene, camera, &rendered.settings);
             let errors = Errors::of_display(&expected, &rendered.light());
             println!("{}, {path}, {tonemap}: {errors}", scene.name);
@@ -38,10 +38,10 @@ pub fn differing(gpu: &Gpu, scenes: impl IntoIterator<Item = Scene>) -> Vec<Stri
 }
 
 /// Checks that each of these ways in which the renderer might be wrong shows when it is done to the reference's scene instead.
-pub fn catches(scene: &Scene, faults: impl IntoIterator<Item = (&'static str, Scene)>) {
+pub fn catches(scene: &Scene, ask: Ask, faults: impl IntoIterator<Item = (&'static str, Scene)>) {
     let Some(gpu) = Gpu::open() else { return };
     let camera = &scene.cameras[0];
-    let rendered = gpu.render(scene, camera, Ask::EXACT);
+    let rendered = gpu.render(scene, camera, ask);
     for (name, faulty) in faults {
         let expected = render(&faulty, camera, &rendered.settings);
         let errors = Errors::of_display(&expected, &rendered.light());

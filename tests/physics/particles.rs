@@ -21,7 +21,11 @@ fn plain(mut scene: Scene) -> Scene {
 #[test]
 fn added_light_is_the_references() {
     let Some(gpu) = Gpu::open() else { return };
-    let failed = differing(&gpu, [sparks(), misty(sparks()), sparks_and_glass(), sparks_alone()].map(plain));
+    let failed = differing(
+        &gpu,
+        Ask::EXACT,
+        [sparks(), misty(sparks()), sparks_and_glass(), sparks_alone()].map(plain),
+    );
     let scene = sparks();
     let rendered = gpu.render(&scene, &scene.cameras[0], Ask::EXACT);
     let errors =
@@ -69,5 +73,5 @@ const FAULTS: &[Fault] = &[
 #[test]
 fn every_fault_of_particles_is_caught() {
     let scene = plain(sparks());
-    catches(&scene, spoilt(&scene, FAULTS));
+    catches(&scene, Ask::EXACT, spoilt(&scene, FAULTS));
 }

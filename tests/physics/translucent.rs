@@ -22,7 +22,7 @@ fn on_paper() -> Scene {
 #[test]
 fn blended_light_is_the_references() {
     let Some(gpu) = Gpu::open() else { return };
-    let failed = differing(&gpu, [glass(), misty(glass()), on_paper(), glass_alone()]);
+    let failed = differing(&gpu, Ask::EXACT, [glass(), misty(glass()), on_paper(), glass_alone()]);
     gpu.finish();
     assert!(failed.is_empty(), "{failed:#?}");
 }
@@ -47,7 +47,7 @@ const FAULTS: &[Fault] = &[
 
 #[test]
 fn every_fault_of_blending_is_caught() {
-    catches(&glass(), spoilt(&glass(), FAULTS));
+    catches(&glass(), Ask::EXACT, spoilt(&glass(), FAULTS));
 }
 
 /// Light above the range of ten bits behind glass: the light target that the plan picks holds it, whatever the layout.

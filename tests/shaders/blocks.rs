@@ -54,7 +54,7 @@ pub fn blocks() -> [Block; 15] {
                 globe_map,
             }
         ),
-        block!("Medium" = MediumData { absorption_per_m, thickness_m, factor, f0, padding }),
+        block!("Medium" = MediumData { absorption_per_m, thickness_m, factor, f0, inverse_ior, padding }),
         block!("LightPush" = LightPush { light }),
         block!(
             "Particle" = ParticleData { center_world, inverse_soft, color, padding, half_axis, padding_2 }

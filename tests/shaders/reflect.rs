@@ -329,6 +329,8 @@ impl Reflection {
                         None => {
                             let set = match name.as_str() {
                                 "bloom" | "edge_color" => "SET_INPUTS",
+                                name if name.starts_with("behind_") && has_material => "SET_LAYERS",
+                                name if name.starts_with("behind_") => "SET_INPUTS",
                                 name if name.starts_with("post_") => "SET_POST",
                                 _ => "SET_FRAME",
                             };

@@ -8,7 +8,7 @@ use ontile::gpu::{
 };
 use ontile::plan::{
     Access, Adreno, Bins, BloomWay, DecalWay, DepthStore, Edges, Layout, LightWay, Limits, Merging, Needs,
-    Options, Path as LightPath, Plan, Store, Strategy, Translucency,
+    Options, Path as LightPath, Plan, Refraction, Store, Strategy, Translucency,
 };
 use ontile::scene::{Scene, Shadow};
 use serde::{Deserialize, Serialize};
@@ -41,6 +41,7 @@ pub struct Case {
     /// The last instance is dynamic, and moves before a second frame.
     pub moves: bool,
     pub decals: DecalWay,
+    pub refraction: Refraction,
 }
 
 /// What is wrong with the plan.
@@ -100,6 +101,7 @@ impl Case {
             stage_timestamps: false,
             moves: false,
             decals: DecalWay::Auto,
+            refraction: Refraction::None,
         }
     }
 
@@ -131,6 +133,7 @@ impl Case {
             bloom: self.bloom,
             translucency: self.translucency,
             shadow_volumes: self.shadow_volumes,
+            refraction: self.refraction,
             overlay: self.overlay,
             ..Options::default()
         };
@@ -165,8 +168,9 @@ impl Case {
         };
         let scene = self.scene();
         let plan = self.plan(&scene);
-        // One pass means what it does; of separate ones all advice is wanted.
-        let expected = if plan.passes.len() == 1 { expected_advice(&plan) } else { Vec::new() };
+        // A plan means what it does; of separate passes all advice is wanted.
+        let separate = plan.strategy == Strategy::Separate;
+        let expected = if separate { Vec::new() } else { expected_advice(&plan) };
         let occupancy = plan.occupancy(plan.passes.len() - 1);
         let bins = Adreno::ALL.map(|adreno| (adreno.id, adreno.bins(&occupancy, SIZE))).into();
         let mut offscreen = Offscreen::new(host.device(), &scene, plan, config, &cache).unwrap();

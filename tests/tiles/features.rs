@@ -4,7 +4,9 @@ use super::child::{Case, Fault};
 use super::common::turnip;
 use super::{ALL_STAGES, commitments, frames, local_read, metallic, on_tile, shadow_tiles};
 use ontile::measure::tiler::{TilerTrace, Verdict};
-use ontile::plan::{BloomWay, DecalWay, Edges, Layout, LightWay, Path as LightPath, Translucency};
+use ontile::plan::{
+    BloomWay, DecalWay, Edges, Layout, LightWay, Path as LightPath, Refraction, Translucency,
+};
 
 /// Each way of ordering decals, in layouts of every kind.
 #[test]
@@ -79,6 +81,41 @@ fn bloom_leaves_the_pass_whole() {
             objections.extend(frame.told.messages.iter().cloned());
             assert_eq!(objections, Vec::<String>::new(), "{bloom} on {gpu}");
             assert_eq!(report["totals"]["stored_bytes_per_pixel"]["value"], f64::from(stored));
+        });
+    }
+}
+
+/// What media sample is stored once, no tile is loaded, and all else stays on the tile.
+#[test]
+fn refraction_stores_what_it_samples() {
+    let Some(turnip) = turnip::find() else { return };
+    let bent = |scene, layout| Case { refraction: Refraction::Pass, ..Case::new(scene, layout) };
+    let cases = [
+        bent("water", Layout::Metallic128),
+        bent("water_in_fog", Layout::Ontile128),
+        bent("water_and_more", Layout::Packed128),
+        Case { path: LightPath::Forward, ..bent("water", Layout::Metallic128) },
+        local_read(bent("water_and_more", Layout::Metallic128)),
+    ];
+    for case in &cases {
+        frames(&turnip, case, |gpu, frame| {
+            let report = &frame.told.report;
+            let TilerTrace { passes, warnings } = frame.trace.after(shadow_tiles(report));
+            // Light in half floats and depth; the picture.
+            for (pass, stored) in passes.iter().zip([12, 4]) {
+                let alone = TilerTrace { passes: vec![pass.clone()], warnings: warnings.clone() };
+                assert_eq!(alone.verdict(stored), Verdict::OnTile, "{case:?} on {gpu}");
+            }
+            assert_eq!(passes.len(), 2, "{case:?} on {gpu}");
+            let totals = &report["totals"];
+            assert_eq!(totals["stored_bytes_per_pixel"]["value"], 16.0);
+            assert_eq!(totals["loaded_bytes_per_pixel"]["value"], 12.0);
+            let mut objections = commitments(report);
+            objections.retain(|o| {
+                !["\"light\" ", "\"depth\" ", "\"depth_test\" "].iter().any(|n| o.starts_with(n))
+            });
+            objections.extend(frame.told.messages.iter().cloned());
+            assert_eq!(objections, Vec::<String>::new(), "{case:?} on {gpu}");
         });
     }
 }

@@ -37,9 +37,12 @@ impl Elements<'_> {
         let name = shared_names("BINDING_").find(|(_, number)| *number == binding).map(|(name, _)| name);
         if binding >= const { shared("BINDING_BLOOM") } {
             let name = name.unwrap_or("(without a name)").to_lowercase().replace('_', " ");
-            let why = match binding == const { shared("BINDING_EDGE_COLOR") } {
-                true => "the option edge filter".into(),
-                false => format!("the option bloom is {}", self.plan.options.bloom),
+            let why = match binding {
+                b if b == const { shared("BINDING_EDGE_COLOR") } => "the option edge filter".into(),
+                b if b >= const { shared("BINDING_BEHIND_LIGHT") } => {
+                    format!("the option refraction is {}", self.plan.options.refraction)
+                }
+                _ => format!("the option bloom is {}", self.plan.options.bloom),
             };
             return (name, why);
         }

@@ -51,6 +51,7 @@ impl Elements<'_> {
             "BEHIND_OPAQUE" => format!("the G-buffer {} has depth in the depth attachment", options.layout),
             "HAS_BEHIND" => format!("{element} fade in front of what is opaque"),
             "ABSORBS" => format!("{element} lets through a part of what is behind it"),
+            "REFRACTS" => format!("{element} bends light; the option refraction is {}", options.refraction),
             "BLEND" => is("blended over what is behind it"),
             "TRANSLUCENCY" => {
                 let over = self.plan.needs.over_light();

@@ -83,7 +83,7 @@ impl<'a> Elements<'a> {
                 let need = plan.needs.particles.iter().find(|need| need.kind == *kind);
                 need.map_or_else(String::new, |need| need.why.clone())
             }
-            Pipeline::Composite => plan.subpass(*stage).2.why.clone(),
+            Pipeline::Composite | Pipeline::Backdrop => plan.subpass(*stage).2.why.clone(),
             Pipeline::Overlay => "the options ask for an overlay".into(),
             Pipeline::Edges => {
                 format!("{} samples a pixel: those of edges are lit one by one", plan.options.samples)

@@ -20,6 +20,8 @@ pub(in crate::gpu) struct Family {
     decal_textures: Option<u32>,
     /// `SET_LAYERS`: input attachments beside a material.
     layers: u32,
+    /// What is sampled of earlier passes' attachments, beside input attachments: bit `n` is binding `n`.
+    sampled: u32,
 }
 
 /// Push constants.
@@ -76,6 +78,9 @@ const DECALS: u32 = shared("BINDING_DECALS");
 const CASTERS: u32 = shared("BINDING_CASTERS");
 const CASTER_INSTANCES: u32 = shared("BINDING_CASTER_INSTANCES");
 const PARTICLES: u32 = shared("BINDING_PARTICLES");
+/// Of what stages sample of earlier passes' attachments.
+pub(in crate::gpu) const BEHIND_LIGHT: u32 = shared("BINDING_BEHIND_LIGHT");
+pub(in crate::gpu) const BEHIND_DEPTH: u32 = shared("BINDING_BEHIND_DEPTH");
 
 /// Type and readers of each binding of `SET_FRAME`.
 const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 18] = {
@@ -128,9 +133,11 @@ impl Family {
             Pipeline::Depth(_) | Pipeline::Sky | Pipeline::Tonemap | Pipeline::Fog | Pipeline::Edges => {
                 Vec::new()
             }
-            Pipeline::Peel { .. } | Pipeline::Composite | Pipeline::Absorb(_) | Pipeline::Overlay => {
-                Vec::new()
-            }
+            Pipeline::Peel { .. }
+            | Pipeline::Composite
+            | Pipeline::Absorb(_)
+            | Pipeline::Overlay
+            | Pipeline::Backdrop => Vec::new(),
             Pipeline::Decal(_) => vec![DECALS],
             Pipeline::Particles(_) => vec![PARTICLES],
             Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
@@ -162,7 +169,7 @@ impl Family {
         // Where samples lie, if only depth tells.
         let reads_frame = match pipeline {
             Pipeline::Edges => reads_depth(plan),
-            Pipeline::Overlay => false,
+            Pipeline::Backdrop | Pipeline::Overlay => false,
             _ => true,
         };
         let own: &[u32] = if reads_frame { &[FRAME] } else { &[] };
@@ -195,6 +202,7 @@ impl Family {
             | Pipeline::EdgeLighting
             | Pipeline::EdgeVolume(_)
             | Pipeline::Composite
+            | Pipeline::Backdrop
             | Pipeline::Peel { .. } => SecondSet::Inputs {
                 count: plan.subpass(stage).2.inputs.len() as u32,
                 bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
@@ -214,17 +222,22 @@ impl Family {
         let collects = pipeline.is_of_blended() && subpass.ordered;
         let reads_both = collects
             || matches!(pipeline, Pipeline::Particles(_) | Pipeline::Absorb(_))
-            || matches!(pipeline, Pipeline::Surface(kind) if kind.transmits && plan.needs.fog.is_some());
+            || matches!(pipeline, Pipeline::Surface(kind) if kind.transmits && (plan.needs.fog.is_some() || plan.refracts()));
         let layers = if reads_both { subpass.inputs.len() as u32 } else { 0 };
         let frame = frame.fold(0, |bits, binding| bits | 1 << binding);
-        Self { frame, second, push, decal_textures, layers }
+        let sampled = subpass.samples.iter().map(|sampled| {
+            let is_depth = plan.attachments[sampled.attachment].format.is_depth();
+            if is_depth { BEHIND_DEPTH } else { BEHIND_LIGHT }
+        });
+        let sampled = sampled.fold(0, |bits, binding| bits | 1 << binding);
+        Self { frame, second, push, decal_textures, layers, sampled }
     }
 
     /// What a pass after the frame's own reads: bits of its samplers' bindings, and whether the camera.
     pub(in crate::gpu) fn of_post(bindings: u32, camera: bool) -> Self {
         let frame = if camera { 1 << FRAME } else { 0 };
         let second = SecondSet::Samplers { bindings };
-        Self { frame, second, push: Push::Nothing, decal_textures: None, layers: 0 }
+        Self { frame, second, push: Push::Nothing, decal_textures: None, layers: 0, sampled: 0 }
     }
 
     /// Whether its pipelines have push constants.
@@ -241,7 +254,7 @@ impl Family {
     pub(in crate::gpu) fn inputs_set(self) -> Option<usize> {
         match self.second {
             SecondSet::Inputs { .. } => Some(1),
-            _ => (self.layers > 0).then_some(const { shared("SET_LAYERS") } as usize),
+            _ => (self.layers > 0 || self.sampled != 0).then_some(const { shared("SET_LAYERS") } as usize),
         }
     }
 
@@ -268,12 +281,17 @@ impl Family {
             std::iter::once(numbers).chain(images).chain(medium.then_some(block)).collect()
         };
         let in_frame = FRAME_BINDINGS.iter().filter(|(binding, ..)| self.frame & (1 << binding) != 0);
+        let inputs = |count: u32| -> Vec<Binding> {
+            let inputs = (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT));
+            let sampled = (0..u32::BITS).filter(|b| self.sampled & (1 << b) != 0);
+            inputs.chain(sampled.map(|b| (b, T::SAMPLED_IMAGE, 1, S::FRAGMENT))).collect()
+        };
         let second = match self.second {
             SecondSet::Material { textures, medium } => material(textures, medium),
             SecondSet::Nothing => Vec::new(),
             SecondSet::Inputs { count, bloom } => {
-                let inputs = (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT));
                 let scattered = const { shared("BINDING_BLOOM") };
+                let inputs = inputs(count).into_iter();
                 inputs
                     .chain(bloom.then_some((scattered, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT)))
                     .collect()
@@ -283,7 +301,6 @@ impl Family {
                 bound.map(|b| (b, T::COMBINED_IMAGE_SAMPLER, 1, S::FRAGMENT)).collect()
             }
         };
-        let inputs = |count| (0..count).map(|i| (i, T::INPUT_ATTACHMENT, 1, S::FRAGMENT)).collect();
         let frame = in_frame.map(|&(binding, ty, stages)| (binding, ty, 1, stages)).collect();
         let third =
             self.decal_textures.map_or_else(|| inputs(self.layers), |textures| material(textures, false));

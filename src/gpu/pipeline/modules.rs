@@ -21,7 +21,7 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             (Module::GeometryVertex, kind.alpha_mask.then_some(Module::Mask), surface(kind))
         }
         Pipeline::Absorb(kind) | Pipeline::Surface(kind) if kind.transmits => {
-            let absorbs = Specialization::absorbs(matches!(pipeline, Pipeline::Absorb(_)));
+            let absorbs = Specialization::medium(matches!(pipeline, Pipeline::Absorb(_)), plan.refracts());
             let behind = Specialization::behind(depth_behind(plan));
             // What absorbs has no light of its own.
             let own = match pipeline {
@@ -69,6 +69,9 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             (Module::LightVolume, Some(Module::Lighting), of_instance)
         }
         Pipeline::Tonemap => (Module::Fullscreen, Some(Module::Tonemap), Specialization::default()),
+        Pipeline::Backdrop => {
+            (Module::Fullscreen, Some(Module::Backdrop), Specialization::behind(depth_behind(plan)))
+        }
         Pipeline::Composite => (Module::Fullscreen, Some(Module::Composite), Specialization::default()),
         Pipeline::Peel { kind, first } => {
             // The first has nothing behind it where nothing is opaque.
@@ -129,7 +132,8 @@ fn sample_constants(plan: &Plan, pipeline: &Pipeline) -> SampleConstants {
 /// Whether lighting reads the depth of what is opaque too; `None` if there is no such depth.
 fn depth_behind(plan: &Plan) -> Option<bool> {
     let opaque = plan.attachments.iter().find(|a| a.format.is_depth() && a.name.starts_with("depth"))?;
-    Some(opaque.name.split('/').next() == Some("depth"))
+    // Of a copy lighting knows nothing.
+    Some(opaque.name.split('/').next() == Some("depth") && !plan.refracts())
 }
 
 fn translucency_constants(plan: &Plan) -> Specialization {

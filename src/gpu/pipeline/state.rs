@@ -233,6 +233,8 @@ fn depth_stencil(
         Pipeline::Overlay => test.depth_test_enable(false).depth_write_enable(false),
         // The farthest of what is left.
         Pipeline::Peel { .. } => test.depth_compare_op(vk::CompareOp::LESS),
+        // All of it, whatever was there.
+        Pipeline::Backdrop => test.depth_compare_op(vk::CompareOp::ALWAYS),
         // At the far plane: seen where nothing is before it.
         Pipeline::Sky => test.depth_write_enable(false).depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL),
         // A surface in front of the volume has both of its sides behind it, one behind the volume none, and one within

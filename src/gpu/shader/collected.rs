@@ -19,9 +19,12 @@ impl Specialization {
         ])
     }
 
-    /// The constant of [`super::Module::Medium`]: whether it multiplies what is behind.
-    pub fn absorbs(absorbs: bool) -> Self {
-        Self::from_pairs(&[(const { shared("ID_ABSORBS") }, absorbs.into())])
+    /// The constants of [`super::Module::Medium`]: whether it multiplies what is behind, and whether it samples that.
+    pub fn medium(absorbs: bool, refracts: bool) -> Self {
+        Self::from_pairs(&[
+            (const { shared("ID_ABSORBS") }, absorbs.into()),
+            (const { shared("ID_REFRACTS") }, refracts.into()),
+        ])
     }
 
     /// Constants of what reads the depth of what is opaque behind it: whether there is any, and whether lighting reads it too.

@@ -86,6 +86,7 @@ impl Stage<'_> {
             brdf: Brdf::Exact,
             around: Method::Prefiltered(plan.options.environment_format),
             lightmap: Some(plan.options.lightmap_format),
+            refraction: plan.refracts(),
         }
     }
 }

@@ -34,7 +34,7 @@ fn to_size(place: &mut [u32; 2], text: &str) -> Result<(), String> {
 }
 
 /// In the order of the struct.
-const ALL: [(&str, Set); 40] = [
+const ALL: [(&str, Set); 41] = [
     ("size", |o, text| to_size(&mut o.size, text)),
     ("strategy", |o, text| to(&mut o.strategy, text)),
     ("layout", |o, text| to(&mut o.layout, text)),
@@ -73,6 +73,7 @@ const ALL: [(&str, Set); 40] = [
     ("bloom-radius", |o, text| to(&mut o.bloom_radius, text)),
     ("edge-filter", |o, text| to(&mut o.edge_filter, text)),
     ("shadow-volumes", |o, text| to(&mut o.shadow_volumes, text)),
+    ("refraction", |o, text| to(&mut o.refraction, text)),
     ("stable-cascades", |o, text| to(&mut o.shadows.stable, text)),
     ("overlay", |o, text| to(&mut o.overlay, text)),
 ];

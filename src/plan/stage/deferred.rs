@@ -183,10 +183,15 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
     };
     let (of_tonemap, of_fog): (Vec<usize>, Vec<usize>) =
         positions.iter().copied().partition(|r| asked.fogs_last() || !has_fog || albedo(r));
+    let decals = decals::stage(frame, asked, depth, &surface);
+    frame.stages.extend([Some(geometry), decals, Some(lighting)].into_iter().flatten());
+    // Of eight words the first four hold the position.
+    let of_fog: Vec<_> = of_fog.into_iter().filter(|&r| frame.resources[r].name != "more_words").collect();
+    let lights = translucency::add(frame, asked, &lights_added, depth, &of_fog);
     let tonemap = (!folded).then(|| Stage {
         name: "tonemap",
         uses: std::iter::once((Frame::OUTPUT, Use::Write))
-            .chain(modified.iter().chain(&lights_added).chain(&of_tonemap).map(|&r| (r, Use::Read)))
+            .chain(modified.iter().chain(&lights).chain(&of_tonemap).map(|&r| (r, Use::Read)))
             .collect(),
         why: if asked.fogs_last() {
             "light from several stages was summed; fog goes by the depth of what sent it".into()
@@ -194,11 +199,6 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
             "light from several stages was summed".into()
         },
     });
-    let decals = decals::stage(frame, asked, depth, &surface);
-    frame.stages.extend([Some(geometry), decals, Some(lighting)].into_iter().flatten());
-    // Of eight words the first four hold the position.
-    let of_fog: Vec<_> = of_fog.into_iter().filter(|&r| frame.resources[r].name != "more_words").collect();
-    translucency::add(frame, asked, &lights_added, depth, &of_fog);
     frame.stages.extend(tonemap);
     frame.folded = folded;
 }

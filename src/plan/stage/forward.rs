@@ -14,9 +14,10 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, name: &'stati
         if asked.needs.opaque_triangles() > 0 || asked.needs.sky {
             frame.add_stage(name, [(light, Use::Write)].into_iter().chain(depth.drawn), why);
         }
-        translucency::add(frame, asked, &[light], depth, &[]);
+        let lights = translucency::add(frame, asked, &[light], depth, &[]);
+        let read = lights.into_iter().map(|light| (light, Use::Read));
         let sum = "the tone curve is of what is blended".into();
-        frame.add_stage("tonemap", [(Frame::OUTPUT, Use::Write), (light, Use::Read)], sum);
+        frame.add_stage("tonemap", [(Frame::OUTPUT, Use::Write)].into_iter().chain(read), sum);
         return;
     }
     // Nothing covers the whole image, so the output itself must be cleared.
@@ -43,7 +44,8 @@ pub(super) fn add_multipass(frame: &mut Frame, asked: &Asked, depth: &Depth) {
     let each = format!("{}; each adds to the surfaces that it reaches", asked.lights());
     let test = depth.resource.map(|depth| (depth, Use::DepthTest));
     frame.add_stage("lights", [(light, Use::Blend)].into_iter().chain(test), each);
-    translucency::add(frame, asked, &[light], depth, &[]);
+    let lights = translucency::add(frame, asked, &[light], depth, &[]);
+    let read = lights.into_iter().map(|light| (light, Use::Read));
     let sum = "light from several draws was summed".into();
-    frame.add_stage("tonemap", [(Frame::OUTPUT, Use::Write), (light, Use::Read)], sum);
+    frame.add_stage("tonemap", [(Frame::OUTPUT, Use::Write)].into_iter().chain(read), sum);
 }

@@ -10,7 +10,7 @@ mod post;
 mod samples;
 mod translucency;
 
-pub use media::NAME as MEDIA;
+pub use media::{BACKDROP, NAME as MEDIA};
 pub use particles::NAME as PARTICLES;
 pub(super) use samples::add as multisample;
 pub use translucency::{FOG, LAYERS, NAME as TRANSLUCENCY, PEEL};
@@ -54,6 +54,8 @@ pub enum Use {
     Stencil,
     /// Input attachment: this pixel of an earlier stage's output.
     Read,
+    /// Sampled, neighbours too: an earlier pass has stored it.
+    Sample,
     /// Input attachment and colour output at once: each fragment reads what the one before it has left, in the order of
     /// rasterisation.
     Modify,
@@ -68,13 +70,19 @@ impl Use {
     pub const fn reads(self) -> bool {
         matches!(
             self,
-            Self::Blend | Self::Read | Self::DepthTest | Self::Stencil | Self::Modify | Self::Rewrite
+            Self::Blend
+                | Self::Read
+                | Self::Sample
+                | Self::DepthTest
+                | Self::Stencil
+                | Self::Modify
+                | Self::Rewrite
         )
     }
 
     /// Whether content changes.
     pub const fn writes(self) -> bool {
-        !matches!(self, Self::DepthTest | Self::Read)
+        !matches!(self, Self::DepthTest | Self::Read | Self::Sample)
     }
 }
 

@@ -29,7 +29,8 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked) {
     if options.edge_filter {
         frame.resources[Frame::OUTPUT].holds = "the picture before its edges are smoothed";
         let normals = normals(asked.gbuffer.form);
-        let wanted = |r: &&mut Resource| r.format.is_depth() || normals.contains(&r.name);
+        let is_depth = |r: &Resource| r.format.is_depth() && r.name.starts_with("depth");
+        let wanted = |r: &&mut Resource| is_depth(r) || normals.contains(&r.name);
         for resource in frame.resources.iter_mut().filter(wanted) {
             resource.sampled = true;
             resource.why += "; the edge filter samples it";

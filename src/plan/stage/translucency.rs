@@ -18,10 +18,16 @@ pub const LAYERS: &str = "layers";
 /// Of those that look for the next layer.
 pub const PEEL: &str = "peel";
 
-/// Adds what it takes where a surface is blended, or particles add light. `lights` are the targets that hold light so far, and `positions` what tells fog
-/// where the G-buffer's surfaces are.
-pub(super) fn add(frame: &mut Frame, asked: &Asked, lights: &[usize], depth: &Depth, positions: &[usize]) {
-    let Some(first) = asked.needs.over_light() else { return };
+/// Adds what it takes where a surface is blended, light goes through one, or particles add light. `lights` are the targets that hold
+/// light so far, and `positions` what tells fog where the G-buffer's surfaces are. Returns the targets that hold light then.
+pub(super) fn add(
+    frame: &mut Frame,
+    asked: &Asked,
+    lights: &[usize],
+    depth: &Depth,
+    positions: &[usize],
+) -> Vec<usize> {
+    let Some(first) = asked.needs.over_light() else { return lights.to_vec() };
     let needs = asked.needs;
     let alone = needs.blended.is_some() && needs.transmits.is_none();
     let sorted = alone && asked.options.translucency == Translucency::Sorted;
@@ -32,12 +38,13 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, lights: &[usize], depth: &De
         let why = format!("what is behind {first} is fogged before it is covered");
         frame.add_stage(FOG, over.chain(read).chain(test), why);
     }
-    media::add(frame, asked, lights, depth);
+    let media::Behind { lights, depth } = media::add(frame, asked, lights, depth);
     if let Some(blended) = &asked.needs.blended {
         let positions = if sorted { positions } else { &[] };
-        add_blended(frame, asked, blended, lights, (depth, positions));
+        add_blended(frame, asked, blended, &lights, (depth, positions));
     }
-    particles::add(frame, asked, lights, depth);
+    particles::add(frame, asked, &lights, depth);
+    lights
 }
 
 fn add_blended(
@@ -45,11 +52,11 @@ fn add_blended(
     asked: &Asked,
     blended: &str,
     lights: &[usize],
-    (depth, positions): (&Depth, &[usize]),
+    (depth, positions): (Option<usize>, &[usize]),
 ) {
     let lights: Vec<_> = lights.iter().map(|&light| (light, Use::Blend)).collect();
     let read = positions.iter().map(|&position| (position, Use::Read));
-    let test = depth.resource.map(|depth| (depth, Use::DepthTest));
+    let test = depth.map(|depth| (depth, Use::DepthTest));
     match asked.options.translucency {
         Translucency::Sorted => {
             let fog = if positions.is_empty() { "" } else { "; what is behind is fogged before" };
@@ -95,7 +102,7 @@ fn add_blended(
             let layers = asked.options.layers();
             for layer in 0..layers as usize {
                 let [this, last] = [found[layer % 2], found[(layer + 1) % 2]];
-                let behind = if layer == 0 { depth.resource } else { Some(last) };
+                let behind = if layer == 0 { depth } else { Some(last) };
                 let behind = behind.map(|behind| (behind, Use::Read));
                 let why = format!("the farthest of {blended} that is before layer {layer} of {layers}");
                 let uses = [(this, Use::Depth)].into_iter().chain(behind);
