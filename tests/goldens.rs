@@ -7,7 +7,7 @@ use common::render::{LAVAPIPE, on_device};
 use common::{environments, scenes};
 use ontile::gpu::{RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::{BloomWay, Options};
+use ontile::plan::{BloomWay, Options, Refraction};
 use ontile::scene::Scene;
 use std::io::Cursor;
 
@@ -62,11 +62,14 @@ fn pictures_look_as_expected() {
         let samples = Options { samples: 4, size: SIZE, ..Options::default() };
         let bloom =
             Options { bloom: BloomWay::Previous, bloom_strength: 0.2, size: SIZE, ..Options::default() };
-        let lamps = all.iter().find(|scene| scene.name == "lamps").expect("it is shipped").clone();
+        let named = |name: &str| all.iter().find(|scene| scene.name == name).expect("it is shipped").clone();
+        let (lamps, pool) = (named("lamps"), named("pool"));
+        let refraction = Options { refraction: Refraction::Pass, size: SIZE, ..Options::default() };
         let mut all: Vec<_> = all.into_iter().map(plain).collect();
         all.push(("every_feature_4_samples".into(), scenes::every_feature(), samples.clone()));
         all.push(("stop_4_samples".into(), scenes::tram_stop(), samples));
         all.push(("lamps_bloom".into(), lamps, bloom));
+        all.push(("pool_refraction".into(), pool, refraction));
         let moving = scenes::shipped_files().into_iter().find(|file| file.ends_with("charmer.glb"));
         let moving = Scene::load_moving(&moving.expect("it is shipped")).expect("it loads");
         let moving = scenes::moving_scenes::moved(moving, 1.3);

@@ -141,9 +141,32 @@ pub fn short(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
+/// [`short`], with more digits where an axis of this length has marks that would read alike.
+pub fn mark(x: f64, length: f64) -> String {
+    // About ten marks.
+    let step = length / 10.0;
+    let is_told_apart = |text: &str| text.parse().is_ok_and(|told: f64| (told - x).abs() < 0.25 * step);
+    let text = short(x);
+    if step <= 0.0 || is_told_apart(&text) {
+        return text;
+    }
+    let digits = (-step.log10().floor()).max(0.0) as usize + 1;
+    let text = format!("{x:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn marks_that_are_next_to_each_other_read_differently() {
+        for (start, length) in [(3.12, 0.03), (382.0, 1.5), (0.0072, 2e-5), (1.0, 9.0)] {
+            let marks: Vec<_> = (0..10).map(|i| mark(start + length * f64::from(i) / 10.0, length)).collect();
+            assert!(marks.windows(2).all(|pair| pair[0] != pair[1]), "{marks:?}");
+        }
+        assert_eq!((mark(0.5, 1.0), mark(3.125, 0.01)), ("0.5".into(), "3.125".into()));
+    }
 
     #[test]
     fn numbers_are_short() {

@@ -6,7 +6,7 @@ use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
-use crate::measure::canvas::{COLORS, Canvas, Drawing, Drawn, short};
+use crate::measure::canvas::{COLORS, Canvas, Drawing, Drawn, mark};
 
 /// Width and height of a field.
 const FIELD: (u32, u32) = (720, 520);
@@ -72,6 +72,9 @@ impl Drawing for Scatter {
     }
 }
 
+/// From the least to the most shown: a logarithmic scale of less has hardly a mark, or marks that read alike.
+const LEAST_FACTOR: f64 = 8.0;
+
 impl Field {
     fn draw<B: DrawingBackend<ErrorType: 'static>>(
         &self,
@@ -81,20 +84,22 @@ impl Field {
         let xs = self.points.iter().flat_map(|p| p.spread.unwrap_or([p.x; 2]).into_iter().chain([p.x]));
         let (low, high) = bounds(xs).ok_or("it has no point")?;
         let room = (high - low).max(0.02 * high.abs());
-        let xs = low - 0.06 * room..high + 0.16 * room;
-        if self.logarithmic {
-            // What is equal has no logarithm: it lies at the lower border.
-            let (low, high) =
-                bounds(self.points.iter().map(|p| p.y).filter(|y| *y > 0.0)).unwrap_or((1e-6, 1e-6));
-            let has_zero = self.points.iter().any(|p| p.y <= 0.0);
-            let floor = if has_zero { low / 3.0 } else { low };
+        let (xs, length) = (low - 0.06 * room..high + 0.16 * room, room);
+        // What is equal has no logarithm: it lies at the lower border.
+        let (low, high) =
+            bounds(self.points.iter().map(|p| p.y).filter(|y| *y > 0.0)).unwrap_or((1e-6, 1e-6));
+        let has_zero = self.points.iter().any(|p| p.y <= 0.0);
+        let floor = if has_zero { low / 3.0 } else { low };
+        if self.logarithmic && (high / floor >= LEAST_FACTOR || has_zero) {
             let room = (high / floor).powf(0.08).max(1.1);
-            self.draw_over(canvas, area, xs, (floor / room..high * room).log_scale().base(2.0), floor)
+            let ys = (floor / room..high * room).log_scale().base(2.0);
+            self.draw_over(canvas, area, xs, ys, [length, 0.0], floor)
         } else {
             let (low, high) = bounds(self.points.iter().map(|p| p.y)).ok_or("it has no point")?;
             // A few decibels at least.
-            let room = (high - low).max(3.0);
-            self.draw_over(canvas, area, xs, low - 0.08 * room..high + 0.08 * room, f64::MIN)
+            let room = (high - low).max(if self.logarithmic { 0.02 * high.abs() } else { 3.0 });
+            let ys = low - 0.08 * room..high + 0.08 * room;
+            self.draw_over(canvas, area, xs, ys, [length, room], f64::MIN)
         }
     }
 
@@ -104,6 +109,7 @@ impl Field {
         area: &DrawingArea<B, Shift>,
         xs: Range<f64>,
         ys: Y,
+        lengths: [f64; 2],
         floor: f64,
     ) -> Drawn
     where
@@ -121,8 +127,8 @@ impl Field {
             .configure_mesh()
             .x_desc(&self.x_label)
             .y_desc(&self.y_label)
-            .x_label_formatter(&|x| short(*x))
-            .y_label_formatter(&|y| short(*y))
+            .x_label_formatter(&|x| mark(*x, lengths[0]))
+            .y_label_formatter(&|y| mark(*y, lengths[1]))
             .light_line_style(WHITE.mix(0.0))
             .bold_line_style(BLACK.mix(0.12))
             .label_style(canvas.font(LABEL))
