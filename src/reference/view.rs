@@ -1,6 +1,6 @@
 //! A camera and an image size as rays, and depth as the rasteriser stores it.
 
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat3, DMat4, DVec2, DVec3};
 
 use crate::scene::{Camera, Projection};
 
@@ -114,15 +114,14 @@ impl View {
 
     /// Where in the image a point in world space is, in pixels as of [`Self::ray`]; `None` where it is not before the camera.
     pub fn place(&self, position_world: DVec3) -> Option<DVec2> {
-        let from_camera = position_world - self.position_world;
-        let distance = from_camera.dot(self.forward_world);
-        let on_plane = match self.projection {
-            Projection::Perspective { .. } if distance <= 0.0 => return None,
-            Projection::Perspective { .. } => from_camera / distance,
-            Projection::Orthographic { .. } => from_camera,
+        // Axes of single precision are not quite at right angles.
+        let axes = DMat3::from_cols(self.right_world, self.down_world, self.forward_world);
+        let along = axes.inverse() * (position_world - self.position_world);
+        let ndc = match self.projection {
+            Projection::Perspective { .. } if along.z <= 0.0 => return None,
+            Projection::Perspective { .. } => along.truncate() / along.z,
+            Projection::Orthographic { .. } => along.truncate(),
         };
-        let along = |axis: DVec3| on_plane.dot(axis) / axis.length_squared();
-        let ndc = DVec2::new(along(self.right_world), along(self.down_world));
         let size = DVec2::new(f64::from(self.size[0]), f64::from(self.size[1]));
         Some((ndc + 1.0) * 0.5 * size - self.origin_px)
     }
