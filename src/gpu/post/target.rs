@@ -172,8 +172,9 @@ impl PostTarget {
     /// Hands the host's image over, if these passes have sampled it.
     pub(in crate::gpu) fn release(&self, recorder: &Recorder<'_>, plan: &Plan, output: usize) {
         let wanted = State::after_frame(plan.options.output_use);
-        let is_sampled = plan.attachments[0].is_output && plan.attachments[0].usage.sampled;
-        if !is_sampled || wanted == State::Sampled {
+        let mut left = plan.passes.iter().rev().flat_map(|pass| &pass.attachments);
+        let left = left.find(|a| a.attachment == 0 && plan.attachments[0].is_output).map(|a| a.last);
+        if left != Some(State::Sampled) || wanted == State::Sampled {
             return;
         }
         let host = Access::after_frame(plan.options.output_use);
