@@ -4,7 +4,7 @@
 #include "common.glsl"
 #include "srgb.glsl"
 
-layout(set = SET_POST, binding = BINDING_POST_COLOR) uniform sampler2D overlay_image;
+layout(set = SET_POST, binding = BINDING_POST_COLOR) uniform sampler2D post_color;
 
 layout(location = VARYING_TEXCOORD) in vec2 varying_texcoord;
 layout(location = VARYING_COLOR) in vec4 varying_color;
@@ -12,6 +12,6 @@ layout(location = VARYING_COLOR) in vec4 varying_color;
 layout(location = TARGET_OUTPUT) out vec4 target_output;
 
 void main() {
-    vec4 encoded = varying_color * texture(overlay_image, varying_texcoord);
+    vec4 encoded = varying_color * texture(post_color, varying_texcoord);
     target_output = vec4(linear_from_srgb(encoded.rgb), encoded.a);
 }

@@ -7,15 +7,15 @@ layout(push_constant, std430) uniform Push {
     vec2 clip_from_point; // 2 / the image's size in points
 } push;
 
-layout(location = ATTRIBUTE_POSITION) in vec2 position; // from the left upper corner
-layout(location = ATTRIBUTE_TEXCOORD) in vec2 texcoord;
-layout(location = ATTRIBUTE_COLOR) in vec4 color;
+layout(location = ATTRIBUTE_POSITION) in vec2 attribute_position; // from the left upper corner
+layout(location = ATTRIBUTE_TEXCOORD) in vec2 attribute_texcoord;
+layout(location = ATTRIBUTE_COLOR) in vec4 attribute_color;
 
 layout(location = VARYING_TEXCOORD) out vec2 varying_texcoord;
 layout(location = VARYING_COLOR) out vec4 varying_color;
 
 void main() {
-    varying_texcoord = texcoord;
-    varying_color = color;
-    gl_Position = vec4(position * push.clip_from_point - 1.0, 0.0, 1.0);
+    varying_texcoord = attribute_texcoord;
+    varying_color = attribute_color;
+    gl_Position = vec4(attribute_position * push.clip_from_point - 1.0, 0.0, 1.0);
 }

@@ -270,6 +270,14 @@ impl Family {
         self.frame
     }
 
+    /// [`Self::sets`] as a pipeline's layout has them: empty ones are left out, but for one before inputs, which are the second
+    /// set in any case.
+    pub(super) fn laid_out(self) -> Vec<Vec<Binding>> {
+        let is_second = matches!(self.second, SecondSet::Inputs { .. });
+        let sets = self.sets().into_iter().enumerate();
+        sets.filter(|(i, b)| !b.is_empty() || *i == 0 && is_second).map(|(_, b)| b).collect()
+    }
+
     /// The bindings of `SET_FRAME`, of the second set, and of a third: a decal's material, or `SET_LAYERS`.
     pub(super) fn sets(self) -> [Vec<Binding>; 3] {
         use vk::{DescriptorType as T, ShaderStageFlags as S};
@@ -318,12 +326,9 @@ pub(in crate::gpu) struct FamilyLayout {
 impl FamilyLayout {
     pub(super) fn new(device: &Device, family: Family) -> Result<Self> {
         let bindings = family.sets();
-        // Inputs are the second set, even after an empty one.
-        let is_second = matches!(family.second, SecondSet::Inputs { .. });
-        let sets = bindings.iter().enumerate();
-        let sets = sets.filter(|(i, b)| !b.is_empty() || *i == 0 && is_second).map(|(_, b)| b);
-        let sets: Vec<_> =
-            sets.map(|b| set_layout(device, b, &format!("{family:?}"))).collect::<Result<_>>()?;
+        let laid_out = family.laid_out();
+        let sets = laid_out.iter().map(|b| set_layout(device, b, &format!("{family:?}")));
+        let sets: Vec<_> = sets.collect::<Result<_>>()?;
         let raw: Vec<_> = sets.iter().map(Owned::raw).collect();
         let range =
             |stages, bytes: usize| vk::PushConstantRange::default().stage_flags(stages).size(bytes as u32);

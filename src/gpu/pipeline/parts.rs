@@ -49,7 +49,7 @@ impl PipelineParts {
             let input = VertexInput::new(pipeline, &shaders.attributes)?;
             Ok(Self {
                 name: plan.pipeline_text(pipeline),
-                bindings: counts(&family.sets()),
+                bindings: counts(&family.laid_out()),
                 attributes: input.attributes.iter().map(|a| a.location).collect(),
                 vertex_bytes: input.bindings.iter().map(|b| b.stride).sum(),
                 targets: fragment.map_or(0, |_| plan.subpass(*stage).2.colors.len() as u32),
@@ -79,11 +79,10 @@ impl PipelineParts {
         let post = plan.post.kinds().map(|pass| {
             let PostParts { family, fragment, constants, .. } = PostParts::of(plan, pass);
             let places = places();
-            let sets: Vec<_> = family.sets().into_iter().filter(|set| !set.is_empty()).collect();
             Ok(Self {
                 name: pass.name.clone(),
                 shaders: Shaders::new(Module::Fullscreen, Some(fragment), &constants, &places)?,
-                bindings: counts(&sets),
+                bindings: counts(&family.laid_out()),
                 attributes: BTreeSet::new(),
                 vertex_bytes: 0,
                 targets: 1,
