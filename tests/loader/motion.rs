@@ -9,8 +9,11 @@ use serde_json::{Value, json};
 use crate::close;
 use crate::gltf_build::{Gltf, U8};
 
+/// Node, path, interpolation, times, the values' type, values.
+type Channel<'a> = (usize, &'a str, &'a str, &'a [f32], &'a str, &'a [f32]);
+
 /// Adds an animation of these channels: node, property, interpolation, times, the type of values, values.
-pub fn animate(file: &mut Gltf, channels: &[(usize, &str, &str, &[f32], &str, &[f32])]) {
+pub fn animate(file: &mut Gltf, channels: &[Channel]) {
     let (mut samplers, mut list): (Vec<Value>, Vec<Value>) = (Vec::new(), Vec::new());
     for (node, path, interpolation, times, kind, values) in channels {
         let (input, output) = (file.floats("SCALAR", times), file.floats(kind, values));

@@ -205,7 +205,8 @@ fn levels_are_those_of_the_file() {
 fn anisotropy_keeps_stripes_apart() {
     let stripes = |max_anisotropy, mip_linear| {
         const SIDE: u32 = 256;
-        let texel = |i: u32| if i % SIDE / 8 % 2 == 0 { [230, 230, 230, 255] } else { [20, 20, 20, 255] };
+        let texel =
+            |i: u32| if (i % SIDE / 8).is_multiple_of(2) { [230, 230, 230, 255] } else { [20, 20, 20, 255] };
         let texels = (0..SIDE * SIDE).flat_map(texel).collect();
         let image = Image { name: "stripes".into(), width: SIDE, height: SIDE, texels };
         let mut scene = shown(image, Sampler { max_anisotropy, mip_linear, ..sampler() }, 1.0);
