@@ -26,10 +26,10 @@ pub enum Pipeline {
     LightMask(VolumeShape),
     /// Adds lights of one shape, each on what its volume holds.
     LightVolume(VolumeShape),
-    /// Counts where the spaces behind what faces a light begin, before each surface: at the triangles themselves, cut by the view's
-    /// planes as they are. For lights with shadow volumes, each before it is added.
+    /// Counts where the spaces behind what faces a light begin, before each surface: at the triangles themselves, cut by the near
+    /// plane as surfaces are. For lights with shadow volumes, each before it is added.
     ShadowNearEnds,
-    /// Likewise where these spaces end: at their walls, or never.
+    /// Likewise where these spaces end, at their walls or never, and where those begin whose triangles the far plane would cut off.
     ShadowVolume,
     /// Adds a light where none was counted, and clears the counts.
     ShadowedLight,

@@ -60,11 +60,11 @@ impl Image {
             Some(other) => Err(format!("is compressed by {other:?}; Zstandard and none can be read")),
         };
         let mut contents = (0..).zip(reader.levels()).map(read).collect::<Result<Vec<_>, _>>()?;
-        let stored = Stored::from_levels(format, size, contents.clone())?;
-        Ok(image(match (format, contents.len()) {
-            (TextureFormat::Rgba8, 1) => Texels::Rgba8(contents.remove(0)),
-            _ => Texels::Stored(stored),
-        }))
+        if (format, contents.len()) == (TextureFormat::Rgba8, 1) {
+            let plain = image(Texels::Rgba8(contents.remove(0)));
+            return plain.problem().map_or(Ok(plain), Err);
+        }
+        Ok(image(Texels::Stored(Stored::from_levels(format, size, contents)?)))
     }
 }
 
