@@ -99,6 +99,26 @@ fn the_window_shows_the_picture_of_render() {
     }
 }
 
+/// Images that lie as a turned screen does, whose size the window has: the picture of the other size.
+#[test]
+fn a_turned_screen_shows_the_same() {
+    let Some(screen) = Screen::new() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |name: &str| Picture::read(&folder.path().join(name)).unwrap();
+    let lamps = asset("lamps.glb");
+    let script = "frames 1\nturn 90\nframes 1\nscreenshot 90.png\nsize 160x90\nturn 180\nscreenshot 180.png\n\
+                  size 90x160\nturn 270\nscreenshot 270.png\nsize 160x90\nturn 0\nscreenshot 0.png\n";
+    let told = view(folder.path(), &screen.display, script, &[&lamps, "--size", "90x160"]);
+    assert_eq!(told, "");
+    ontile(folder.path(), "", &["render", &lamps, "--size", "160x90", "-o", "render.png"]);
+    assert_eq!(difference(&picture("0.png"), &picture("render.png")), None);
+    for name in ["90.png", "180.png"] {
+        // The tests of pre-rotation say how near; a picture that is turned wrongly is below 15 dB.
+        let error = ontile::measure::compare(&picture(name), &picture("render.png"), None).unwrap();
+        assert!(error.psnr_db.is_none_or(|db| db > 45.0), "{name}: {error:?}");
+    }
+}
+
 /// The overlay covers a part of the picture, by whatever the frame is drawn, and leaves no trace when it goes.
 #[test]
 fn the_overlay_comes_and_goes() {

@@ -152,6 +152,9 @@ impl App {
             Step::Overlay(is_on) => {
                 self.set_options(Options { overlay: is_on, ..self.viewer.options.clone() });
             }
+            Step::Turn(pre_rotation) => {
+                self.open.iter_mut().for_each(|open| open.frames.pretend(pre_rotation));
+            }
             Step::Suspend => self.suspend(events),
             Step::Resume => self.resume(events),
             Step::Stay => self.steps.closes = false,
