@@ -149,6 +149,13 @@ impl Frames {
         Ok(())
     }
 
+    /// Gives up what draws the scene, which [`Self::show`] makes anew.
+    pub(super) fn release(&mut self) -> Result<()> {
+        self.presenter.wait()?;
+        self.shown = None;
+        Ok(())
+    }
+
     /// Makes sure that there are images of the window's size, and a surface; whether there are.
     pub(super) fn prepare(&mut self, window_size: [u32; 2]) -> Result<bool> {
         let surface = match &self.surface {

@@ -23,6 +23,7 @@ use crate::{Error, Result};
 /// | `live FILE` | writes what exists on the device as JSON: the number of objects by kind, and their memory |
 /// | `overlay on\|off` | shows times, plan and options over the picture, or not |
 /// | `turn DEGREES` | draws as if the screen was turned, by 0, 90, 180 or 270 degrees; screenshots are upright |
+/// | `low-memory` | as if the system was short of memory: while the surface is taken, what draws goes |
 /// | `suspend`, `resume` | as if the system took the window's surface, and gave it back |
 /// | `stay` | leaves the window to the user |
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,6 +44,7 @@ pub(super) enum Step {
     Live(PathBuf),
     Overlay(bool),
     Turn(PreRotation),
+    LowMemory,
     Suspend,
     Resume,
     Stay,
@@ -119,6 +121,7 @@ fn step(line: &str) -> Result<Step, String> {
                 .map(|index| Step::Turn(PreRotation::ALL[index]))
                 .ok_or_else(|| needs("0, 90, 180 or 270 degrees"))
         }
+        "low-memory" => alone(Step::LowMemory),
         "suspend" => alone(Step::Suspend),
         "resume" => alone(Step::Resume),
         "stay" => alone(Step::Stay),
@@ -137,7 +140,7 @@ mod tests {
     #[test]
     fn lines_are_commands() {
         let text = "size 640x360 # at first\n\n  frames 3\nset layout packed128\nopen a b.glb\ncamera 1\nexposure -1.5\n\
-                    drag 10 -4\nscreenshot o.png\nlive l.json\noverlay on\nturn 90\nsuspend\nresume\nstay\n";
+                    drag 10 -4\nscreenshot o.png\nlive l.json\noverlay on\nturn 90\nlow-memory\nsuspend\nresume\nstay\n";
         let expected = [
             Step::Size([640, 360]),
             Step::Frames(3),
@@ -150,6 +153,7 @@ mod tests {
             Step::Live("l.json".into()),
             Step::Overlay(true),
             Step::Turn(PreRotation::Rotate90),
+            Step::LowMemory,
             Step::Suspend,
             Step::Resume,
             Step::Stay,
