@@ -12,8 +12,8 @@ use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
     BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, Options,
-    OutputFormat, Path, Refraction, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
-    Translucency,
+    OutputFormat, Path, Refraction, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Show, Strategy,
+    Tonemap, Translucency,
 };
 use ontile::scene::{Background, FogHeight, Scene};
 
@@ -222,6 +222,10 @@ pub struct PlanArgs {
     /// Whether water and glass bend what is behind them: none, or in a second pass, for which that is stored with its depth
     #[arg(long, value_name = "NAME", default_value_t = Refraction::None, value_parser = named(Refraction::ALL, Refraction::name))]
     pub refraction: Refraction,
+    /// What is written in place of the picture, in the same pass: what the G-buffer holds, how many lights are evaluated, or which
+    /// pixels are lit sample by sample
+    #[arg(long, value_name = "WHAT", default_value_t = Show::Picture, value_parser = named(Show::ALL, Show::name))]
+    pub show: Show,
 }
 
 impl PlanArgs {
@@ -261,6 +265,7 @@ impl PlanArgs {
             edge_filter: self.edge_filter,
             shadow_volumes: self.shadow_volumes,
             refraction: self.refraction,
+            show: self.show,
             dither: self.dither,
             samples: self.samples,
             edges: self.edges,

@@ -40,9 +40,9 @@ impl Renderer {
         }
         let needs = Needs::of(scene);
         let limits = self.device.limits();
-        let plan = match needs == self.plan.needs {
+        let plan = match needs.shown(self.plan.options.show) == self.plan.needs {
             true => self.plan.clone(),
-            false => Plan::new(needs, self.plan.options.clone(), &limits)?,
+            false => Plan::new(Needs::of(scene), self.plan.options.clone(), &limits)?,
         };
         check_formats(&self.device, &plan)?;
         let next = Self::with(&self.device, scene, plan, self.config, &self.cache, Some((&*self, changes)))?;
