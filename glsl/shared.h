@@ -285,7 +285,7 @@
 #define STENCIL_EDGE 128
 #define STENCIL_COUNT 127
 
-// Values of the constant SHOW; those of the G-buffer's quantities are bits of STRIPS too, in the order of strips.
+// Values of the constant SHOW; those of the G-buffer's quantities are bits of SHOW_STRIPS too, in the order of strips.
 #define SHOW_BASE_COLOR 0
 #define SHOW_METALLIC 1
 #define SHOW_DIFFUSE 2

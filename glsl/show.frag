@@ -11,10 +11,10 @@
 #include "tonemap.glsl"
 
 layout(constant_id = ID_SHOW) const uint SHOW = SHOW_NORMAL;
-layout(constant_id = ID_SHOW_STRIPS) const uint STRIPS = 0u;            // with SHOW_CHANNELS: which, each in a strip of its own
-layout(constant_id = ID_SHOW_STRIP_COUNT) const float STRIP_COUNT = 1.0;
-layout(constant_id = ID_SHOW_EDGE) const bool IS_EDGE = false; // with SHOW_EDGES: of what was marked
-#define SHOWS(what) (SHOW == what || (SHOW == SHOW_CHANNELS && (STRIPS >> what & 1u) != 0u))
+layout(constant_id = ID_SHOW_STRIPS) const uint SHOW_STRIPS = 0u; // with SHOW_CHANNELS: which, each in a strip of its own
+layout(constant_id = ID_SHOW_STRIP_COUNT) const float SHOW_STRIP_COUNT = 1.0;
+layout(constant_id = ID_SHOW_EDGE) const bool SHOW_EDGE = false; // with SHOW_EDGES: of what was marked
+#define SHOWS(what) (SHOW == what || (SHOW == SHOW_CHANNELS && (SHOW_STRIPS >> what & 1u) != 0u))
 
 layout(set = SET_INPUTS, binding = INPUT_LIGHT, input_attachment_index = INPUT_LIGHT)
     uniform inputAttachment input_light;
@@ -104,11 +104,11 @@ vec3 shown_lights() {
 
 vec3 shown() {
     if (SHOW == SHOW_EDGES) {
-        return vec3(IS_EDGE ? 1.0 : 0.0);
+        return vec3(SHOW_EDGE ? 1.0 : 0.0);
     }
     uint strip = 0u;
     if (SHOW == SHOW_CHANNELS) {
-        strip = uint(gl_FragCoord.x * frame.inverse_size.x * STRIP_COUNT);
+        strip = uint(gl_FragCoord.x * frame.inverse_size.x * SHOW_STRIP_COUNT);
     }
     uint next = 0u;
     if (SHOWS(SHOW_BASE_COLOR)) {

@@ -9,8 +9,8 @@ use ontile::glam::{Mat4, Vec3};
 use ontile::gpu::{Commands, Image, ImageDesc, OutputImage, Readback, Renderer, RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{
-    Choice, Layout, Load, Needs, Options, OutputFormat, Pipeline, Plan, Refraction, Seen, Show, Strategy,
-    Tonemap, Translucency,
+    Choice, Layout, Load, Needs, Options, OutputFormat, Pipeline, Plan, Refraction, Seen, Strategy, Tonemap,
+    Translucency,
 };
 use ontile::scene::{Camera, Projection, Scene};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -123,41 +123,6 @@ fn arrangements_do_not_change_the_pixels_of_any_translucency() {
                 continue;
             }
             check_variants(gpu, &scene, &options);
-        }
-    });
-}
-
-/// Quantities in strips of all layouts, and each by itself of one; the strips are the quantities' own pixels.
-#[test]
-fn arrangements_do_not_change_the_pixels_of_what_is_shown() {
-    on_device(None, |gpu| {
-        let limits = gpu.device().limits();
-        for (scene, &layout) in [scenes::every_feature(), scenes::decal_scenes::decals()]
-            .iter()
-            .flat_map(|s| Layout::ALL.iter().map(move |l| (s, l)))
-        {
-            let base = Options { size: SIZE, layout, ..Options::default() };
-            let show = |show| Options { show, ..base.clone() };
-            if Plan::new(Needs::of(scene), show(Show::Channels), &limits).is_err() {
-                assert_eq!(layout, Layout::Ontile64, "{}", scene.name);
-                continue;
-            }
-            check_variants(gpu, scene, &show(Show::Channels));
-            let strips = gpu.plan(scene, show(Show::Channels)).strips();
-            let all = gpu.picture(scene, gpu.plan(scene, show(Show::Channels)), 0.0);
-            for (strip, &channel) in strips.iter().enumerate() {
-                if layout == Layout::Packed128 {
-                    check_variants(gpu, scene, &show(channel));
-                }
-                let one = gpu.picture(scene, gpu.plan(scene, show(channel)), 0.0);
-                let (Pixels::Rgba8(all), Pixels::Rgba8(one)) = (&all.pixels, &one.pixels) else { panic!() };
-                for (index, (all, one)) in all.chunks(4).zip(one.chunks(4)).enumerate() {
-                    let x = index as u32 % SIZE[0];
-                    if ((x as f32 + 0.5) * strips.len() as f32 / SIZE[0] as f32) as usize == strip {
-                        assert_eq!(all, one, "{}, {layout}, {channel} at {x}", scene.name);
-                    }
-                }
-            }
         }
     });
 }

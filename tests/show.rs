@@ -2,9 +2,13 @@
 
 mod common;
 
+use common::render::{Gpu, difference, on_device};
 use common::scenes;
-use ontile::plan::{BloomWay, Edges, Layout, LightWay, Limits, Needs, Options, Path, Plan, Show};
+use ontile::picture::Pixels;
+use ontile::plan::{BloomWay, Edges, Layout, LightWay, Limits, Needs, Options, Path, Plan, Show, Strategy};
 use ontile::scene::Scene;
+
+const SIZE: [u32; 2] = [160, 90];
 
 fn limits() -> Limits {
     Limits { max_color_attachments: 8, max_input_attachments: 8, ..Limits::default() }
@@ -78,4 +82,81 @@ fn what_is_not_there_is_refused() {
     for (error, expected) in cases {
         assert!(error.contains(expected) && error.is_empty() == expected.is_empty(), "{expected}: {error}");
     }
+}
+
+type Variant = fn(Options) -> Options;
+
+/// Arrangements that must not change what is shown.
+const VARIANTS: [Variant; 6] = [
+    |o| Options { strategy: Strategy::Separate, ..o },
+    |o| Options { recycle: false, ..o },
+    |o| Options { output_is_input_attachment: false, ..o },
+    |o| Options { keep_gbuffer: o.samples == 1, ..o },
+    |o| Options { depth_prepass: true, ..o },
+    |o| Options { strategy: Strategy::LocalRead, ..o },
+];
+
+fn check_variants(gpu: &Gpu<'_>, scene: &Scene, options: &Options) {
+    let expected = gpu.picture(scene, gpu.plan(scene, options.clone()), 0.0);
+    for change in VARIANTS {
+        let options = change(options.clone());
+        let local_read = gpu.device().limits().merging.local_read.is_ok();
+        if options.strategy == Strategy::LocalRead && !local_read {
+            continue;
+        }
+        let picture = gpu.picture(scene, gpu.plan(scene, options.clone()), 0.0);
+        assert_eq!(difference(&expected, &picture), None, "{}: {options:?}", scene.name);
+    }
+}
+
+/// Quantities in strips of all layouts, and each by itself of one; the strips are the quantities' own pixels.
+#[test]
+fn arrangements_do_not_change_the_pixels_of_what_is_shown() {
+    on_device(None, |gpu| {
+        // With a depth pre-pass the scenes have more than ten draws of few triangles.
+        gpu.excuse("many-small-indexed-drawcalls");
+        let limits = gpu.device().limits();
+        let all = [scenes::every_feature(), scenes::decal_scenes::decals()];
+        for (scene, &layout) in all.iter().flat_map(|s| Layout::ALL.iter().map(move |l| (s, l))) {
+            let base = Options { size: SIZE, layout, ..Options::default() };
+            let show = |show| Options { show, ..base.clone() };
+            if Plan::new(Needs::of(scene), show(Show::Channels), &limits).is_err() {
+                assert_eq!(layout, Layout::Ontile64, "{}", scene.name);
+                continue;
+            }
+            check_variants(gpu, scene, &show(Show::Channels));
+            let strips = gpu.plan(scene, show(Show::Channels)).strips();
+            let whole = gpu.picture(scene, gpu.plan(scene, show(Show::Channels)), 0.0);
+            for (strip, &channel) in strips.iter().enumerate() {
+                if layout == Layout::Packed128 {
+                    check_variants(gpu, scene, &show(channel));
+                }
+                let one = gpu.picture(scene, gpu.plan(scene, show(channel)), 0.0);
+                let (Pixels::Rgba8(whole), Pixels::Rgba8(one)) = (&whole.pixels, &one.pixels) else {
+                    panic!()
+                };
+                for (index, (whole, one)) in whole.chunks(4).zip(one.chunks(4)).enumerate() {
+                    let x = index as u32 % SIZE[0];
+                    if ((x as f32 + 0.5) * strips.len() as f32 / SIZE[0] as f32) as usize == strip {
+                        assert_eq!(whole, one, "{}, {layout}, {channel} at {x}", scene.name);
+                    }
+                }
+            }
+        }
+    });
+}
+
+/// The same with several samples, and of lights and edges.
+#[test]
+fn arrangements_do_not_change_the_pixels_of_what_is_shown_of_samples() {
+    on_device(None, |gpu| {
+        let scene = scenes::every_feature();
+        for layout in [Layout::Metallic128, Layout::Packed128, Layout::Dissertation192] {
+            for show in [Show::Channels, Show::Lights, Show::Edges] {
+                let base = Options { size: SIZE, layout, show, samples: 4, ..Options::default() };
+                check_variants(gpu, &scene, &Options { lights: LightWay::Clusters, ..base.clone() });
+                check_variants(gpu, &scene, &Options { edges: Edges::Coverage, ..base });
+            }
+        }
+    });
 }

@@ -17,6 +17,8 @@ use ontile::plan::{
 };
 use ontile::scene::{Background, FogHeight, Scene};
 
+use super::wanted_layout::WantedLayout;
+
 /// What is looked at.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Scene")]
@@ -275,38 +277,6 @@ impl PlanArgs {
             lightmap_format: self.lightmap_format.unwrap_or(default.lightmap_format),
             ..default
         }
-    }
-}
-
-/// A layout, or the wish that one be chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WantedLayout {
-    Named(Layout),
-    Auto,
-}
-
-impl WantedLayout {
-    const AUTO: &'static str = "auto";
-
-    pub fn named(self) -> Option<Layout> {
-        match self {
-            Self::Named(layout) => Some(layout),
-            Self::Auto => None,
-        }
-    }
-
-    fn parser() -> impl TypedValueParser<Value = Self> {
-        let names = Layout::ALL.iter().map(|layout| layout.name()).chain([Self::AUTO]);
-        PossibleValuesParser::new(names).try_map(|typed| match typed.as_str() {
-            Self::AUTO => Ok(Self::Auto),
-            name => name.parse().map(Self::Named),
-        })
-    }
-}
-
-impl Display for WantedLayout {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.named().map_or(Self::AUTO, Layout::name))
     }
 }
 

@@ -38,11 +38,11 @@ impl Renderer {
         if !changes.is_structural() && self.set_values(scene, changes).is_ok() {
             return Ok(Updated::default());
         }
-        let needs = Needs::of(scene);
+        let needs = Needs::of(scene).shown(self.plan.options.show);
         let limits = self.device.limits();
-        let plan = match needs.shown(self.plan.options.show) == self.plan.needs {
+        let plan = match needs == self.plan.needs {
             true => self.plan.clone(),
-            false => Plan::new(Needs::of(scene), self.plan.options.clone(), &limits)?,
+            false => Plan::new(needs, self.plan.options.clone(), &limits)?,
         };
         check_formats(&self.device, &plan)?;
         let next = Self::with(&self.device, scene, plan, self.config, &self.cache, Some((&*self, changes)))?;

@@ -132,6 +132,13 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
         let format = if gbuffer.layout == Layout::Exact { Format::R32Float } else { OCCLUSION.format };
         frame.add_target(&Target { format, used_bits: format.bits(), ..OCCLUSION }, false, why)
     });
+    let masks = needs.kinds.iter().any(|need| need.kind.alpha_mask);
+    if edges == Edges::Compare || (edges == Edges::Coverage && masks) {
+        // Samples are compared, and those of no surface are to agree: what they hold would mark them at random.
+        for &r in surface.iter().chain(&occlusion) {
+            frame.resources[r].clear.get_or_insert([0.0; 4]);
+        }
+    }
     let written =
         surface.iter().chain(&lights_added).chain(&edge).chain(&occlusion).map(|&r| (r, Use::Write));
     let geometry = Stage {
