@@ -88,7 +88,7 @@ pub use shadow::{
 pub(crate) use shadow_report::planned_bytes;
 pub use shadow_report::{ShadowFigures, ShadowLightReport, ShadowMapReport};
 pub use shadow_volumes::COUNT_BITS;
-pub use show::{CHANNELS, Show, heat};
+pub use show::{Show, heat};
 pub(crate) use show::{reads_frame, strips};
 pub use strategy::Merging;
 

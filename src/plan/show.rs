@@ -47,23 +47,23 @@ named_enum! {
     }
 }
 
-/// The quantities, in the order of strips.
-pub const CHANNELS: [Show; 9] = [
-    Show::BaseColor,
-    Show::Metallic,
-    Show::Diffuse,
-    Show::Reflectance,
-    Show::Normal,
-    Show::Roughness,
-    Show::Depth,
-    Show::Occlusion,
-    Show::Light,
-];
-
 /// The name of the stage.
 pub const NAME: &str = "show";
 
 impl Show {
+    /// The quantities of the G-buffer, in the order of strips.
+    pub const CHANNELS: [Self; 9] = [
+        Self::BaseColor,
+        Self::Metallic,
+        Self::Diffuse,
+        Self::Reflectance,
+        Self::Normal,
+        Self::Roughness,
+        Self::Depth,
+        Self::Occlusion,
+        Self::Light,
+    ];
+
     /// Whether it is not the picture.
     pub fn is_debug(self) -> bool {
         self != Self::Picture
@@ -159,7 +159,7 @@ pub(super) fn check(
                     .to_owned();
             refused(problem, "leave --show occlusion out: it is in --show light")
         }
-        show if CHANNELS.contains(&show) && !kept.contains(&show) => {
+        show if Show::CHANNELS.contains(&show) && !kept.contains(&show) => {
             let problem = format!("layout {layout} does not store {show}");
             let remedy = match show {
                 Show::BaseColor | Show::Metallic if gbuffer.has_products() => {
@@ -188,7 +188,7 @@ pub(super) fn held(needs: &Needs, gbuffer: &GBuffer, folded: bool) -> Vec<Show> 
         Show::Light => has_light,
         _ => true,
     };
-    CHANNELS.iter().filter(is_held).copied().collect()
+    Show::CHANNELS.iter().filter(is_held).copied().collect()
 }
 
 /// Those of which a strip is shown: not what lighting makes of others.

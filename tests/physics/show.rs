@@ -2,7 +2,7 @@
 //! of the same frame's kept G-buffer.
 
 use ontile::glam::{DVec3, dvec3};
-use ontile::plan::{CHANNELS, GBuffer, LightPlace, LightWay, Show, heat};
+use ontile::plan::{GBuffer, LightPlace, LightWay, Show, heat};
 use ontile::reference::{Attributes, View, decode};
 use ontile::scene::{Camera, LightKind, Scene};
 
@@ -44,7 +44,7 @@ fn compared(gpu: &Gpu, name: &str, ask: Ask, scene: &Scene) -> Vec<Show> {
     let Some((rendered, stored)) = gpu.try_with_gbuffer(scene, camera, ask) else { return Vec::new() };
     let (view, exposure) = (View::new(camera, SIZE), rendered.settings.exposure());
     let factor = exposure * rendered.settings.light_scale;
-    let channels = CHANNELS.iter().filter(|&&show| show != Show::Occlusion);
+    let channels = Show::CHANNELS.iter().filter(|&&show| show != Show::Occlusion);
     let shown = |show: &&Show| {
         let Some(found) = gpu.shown(scene, camera, ask, **show) else { return false };
         let mut lit = 0;
@@ -87,7 +87,7 @@ fn what_is_shown_is_what_is_stored() {
                 _ => false,
             };
             let refused = gbuffer.light == LightPlace::Nowhere && seen.is_empty();
-            let least: Vec<_> = CHANNELS.iter().copied().filter(|show| is_least(*show)).collect();
+            let least: Vec<_> = Show::CHANNELS.iter().copied().filter(|show| is_least(*show)).collect();
             assert!(refused || least.iter().all(|show| seen.contains(show)), "{name}: {seen:?}");
         }
     }
