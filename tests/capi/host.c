@@ -37,6 +37,7 @@ static VkPhysicalDevice physical;
 static VkDevice device;
 static VkQueue queue;
 static uint32_t family = UINT32_MAX;
+static uint32_t features = ONTILE_FEATURE_DEBUG_UTILS;
 static VkDebugUtilsMessengerEXT messenger;
 
 static void make_instance(void) {
@@ -86,7 +87,13 @@ static void make_device(const char *name) {
                                       .queueFamilyIndex = family,
                                       .queueCount = 1,
                                       .pQueuePriorities = &priority};
+    /* Compressed pictures become what the device has, and RGBA8 where nothing is enabled. */
+    VkPhysicalDeviceFeatures has, enabled = {0};
+    vkGetPhysicalDeviceFeatures(physical, &has);
+    enabled.textureCompressionBC = has.textureCompressionBC;
+    if (has.textureCompressionBC) features |= ONTILE_FEATURE_TEXTURE_COMPRESSION_BC;
     VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                               .pEnabledFeatures = &enabled,
                                .queueCreateInfoCount = 1,
                                .pQueueCreateInfos = &queues};
     VK(vkCreateDevice(physical, &info, NULL, &device));
@@ -316,7 +323,7 @@ int main(int count, char **arguments) {
                        .device = device,
                        .queue_family_index = family,
                        .queue = queue,
-                       .features = ONTILE_FEATURE_DEBUG_UTILS};
+                       .features = features};
     OntileDevice *ontile;
     ON(ontile_device_create(&host, &ontile));
     OntileWorld *world = make_world(arguments[3]);
