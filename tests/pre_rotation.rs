@@ -91,11 +91,8 @@ fn so_does_whatever_looks_at_pixels() {
         check(gpu, &feature, &Options { samples: 4, ..exact() });
         check(gpu, &feature, &Options { path: Path::Forward, ..exact() });
         check(gpu, &feature, &Options { edge_filter: true, ..exact() });
-        check(
-            gpu,
-            &scenes::shadow_scenes::room(),
-            &Options { shadow_volumes: true, path: Path::Deferred, ..exact() },
-        );
+        let volumes = Options { shadow_volumes: true, ..exact() };
+        scenes::shadow_scenes::one_light_each().iter().for_each(|scene| check(gpu, scene, &volumes));
         let water = scenes::media_scenes::water_and_more();
         check(gpu, &water, &Options { refraction: Refraction::Pass, ..exact() });
         let oit = Options { translucency: Translucency::Oit, layout: Layout::Packed128, ..exact() };
