@@ -22,7 +22,8 @@ pub const LATTICE: Sweep = Sweep {
 /// Side of a triangle's part of the picture, pixels.
 const CELL: u32 = 6;
 
-/// Corners in pixels from the upper left: multiples of 1/4096, so that floats hold them, on no lattice of 8 bits.
+/// Corners in pixels from the upper left: odd multiples of 1/8192, so that floats hold them, and none is halfway between two places of a
+/// lattice of up to 11 bits, where devices round either way.
 fn corners(cell: u32, columns: u32) -> [DVec2; 3] {
     let origin = DVec2::new(f64::from(cell % columns), f64::from(cell / columns)) * f64::from(CELL);
     let mut state = cell.wrapping_mul(0x9e37_79b9) ^ 0x85eb_ca6b;
@@ -33,7 +34,7 @@ fn corners(cell: u32, columns: u32) -> [DVec2; 3] {
         f64::from(state % 4096) / 4096.0
     };
     [DVec2::new(0.2, 0.2), DVec2::new(0.4, 4.4), DVec2::new(4.6, 2.0)]
-        .map(|corner| origin + (corner * 4096.0).round() / 4096.0 + DVec2::new(random(), random()))
+        .map(|corner| origin + ((corner * 4096.0).round() + 0.5) / 4096.0 + DVec2::new(random(), random()))
 }
 
 fn scene(size: [u32; 2]) -> Scene {
