@@ -165,6 +165,7 @@ impl Overlay {
         slot: usize,
         layout: vk::PipelineLayout,
         extent: vk::Extent2D,
+        area: vk::Rect2D,
     ) -> FrameCounts {
         let slot = &self.slots[slot];
         let (device, raw) = (recorder.device().raw(), recorder.raw());
@@ -181,7 +182,7 @@ impl Overlay {
             device.cmd_bind_index_buffer(raw, slot.indices.raw(), 0, vk::IndexType::UINT32);
         }
         for part in &slot.parts {
-            let Some(scissor) = scissor(part.clip_px, extent).filter(|_| !part.indices.is_empty()) else {
+            let Some(scissor) = scissor(part.clip_px, area).filter(|_| !part.indices.is_empty()) else {
                 continue;
             };
             let count = part.indices.end - part.indices.start;
@@ -234,9 +235,11 @@ fn image(device: &Device, size: [u32; 2]) -> Result<Image> {
     Image::new(device, &ImageDesc::new("overlay", vk::Format::R8G8B8A8_UNORM, size, usage))
 }
 
-/// What of a rectangle lies in the picture; `None` if nothing does.
-fn scissor([left, top, right, bottom]: [u32; 4], extent: vk::Extent2D) -> Option<vk::Rect2D> {
-    let (right, bottom) = (right.min(extent.width), bottom.min(extent.height));
+/// What of a rectangle lies in the area; `None` if nothing does.
+pub(super) fn scissor([left, top, right, bottom]: [u32; 4], area: vk::Rect2D) -> Option<vk::Rect2D> {
+    let [x, y] = [area.offset.x, area.offset.y].map(|offset| offset.max(0) as u32);
+    let (left, right) = (left.max(x), right.min(x + area.extent.width));
+    let (top, bottom) = (top.max(y), bottom.min(y + area.extent.height));
     (left < right && top < bottom).then(|| vk::Rect2D {
         offset: vk::Offset2D { x: left as i32, y: top as i32 },
         extent: vk::Extent2D { width: right - left, height: bottom - top },

@@ -127,11 +127,13 @@ pub enum Module {
     Show,
     /// [`Self::Show`] of several samples a pixel.
     ShowSamples,
+    /// Writes how far the picture is from another one.
+    Difference,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 42] = [
+    pub const ALL: [Self; 43] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -174,6 +176,7 @@ impl Module {
         Self::Pose,
         Self::Show,
         Self::ShowSamples,
+        Self::Difference,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -210,6 +213,7 @@ impl Module {
             Self::Overlay => "overlay.frag",
             Self::Pose => "pose.comp",
             Self::Show | Self::ShowSamples => "show.frag",
+            Self::Difference => "difference.frag",
         }
     }
 

@@ -10,7 +10,7 @@ use std::ffi::CStr;
 
 use ash::vk;
 
-pub(super) use family::{BEHIND_DEPTH, BEHIND_LIGHT, Family, FamilyLayout};
+pub(super) use family::{BEHIND_DEPTH, BEHIND_LIGHT, Family, FamilyLayout, OTHER};
 pub(super) use modules::gbuffer_constants;
 use modules::modules;
 pub use parts::PipelineParts;
