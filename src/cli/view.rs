@@ -20,8 +20,9 @@ use super::{auto, print, scene};
 Keys:
 {HELP}
 
-Commands of a script, one a line: frames N, size WxH, open FILE, set OPTION VALUE, camera N|NAME, exposure EV, drag X Y,
-screenshot FILE, live FILE, overlay on|off, suspend, resume, stay; after the last one the window is closed.
+Commands of a script, one a line: frames N, size WxH, open FILE, set OPTION VALUE, camera N|NAME, time SECONDS,
+animation N|NAME|all, play, pause, speed FACTOR, exposure EV, drag X Y, screenshot FILE, live FILE, overlay on|off, suspend,
+resume, stay; after the last one the window is closed.
 
 Examples:
   ontile view scene.glb
@@ -68,7 +69,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     let options = Options { overlay: !window.no_overlay && script.is_none(), ..options(args)? };
     let (scene_args, environment_format) = (args.scene.clone(), options.environment_format);
     let load = move |path: &Path| {
-        let mut scene = scene::load(&SceneArgs { scene: path.to_owned(), ..scene_args.clone() })?;
+        let mut scene = scene::load_moving(&SceneArgs { scene: path.to_owned(), ..scene_args.clone() })?;
         scene::prefilter(&mut scene, environment_format);
         Ok(scene)
     };
@@ -77,6 +78,8 @@ pub fn run(args: &ViewArgs) -> Result<()> {
         options,
         exposure_ev: args.plan.exposure,
         camera: args.scene.camera.clone(),
+        animation: args.scene.animation.clone(),
+        time_s: args.scene.time,
         present: window.present,
         frames_in_flight: window.frames_in_flight as usize,
         device: window.device.clone(),

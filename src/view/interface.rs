@@ -9,10 +9,10 @@ impl App {
     /// Shows the first scene; without the overlay if it does not go with the options.
     pub(super) fn show_first(&mut self) -> Result<()> {
         let Some(open) = &mut self.open else { return Ok(()) };
-        match open.frames.show(&self.scene, &self.viewer.options) {
+        match open.frames.show(self.world.scene(), &self.viewer.options) {
             Err(error @ Error::Unsupported { .. }) if self.viewer.options.overlay => {
                 self.viewer.options.overlay = false;
-                open.frames.show(&self.scene, &self.viewer.options)?;
+                open.frames.show(self.world.scene(), &self.viewer.options)?;
                 self.tell(&error);
                 Ok(())
             }
@@ -36,6 +36,7 @@ impl App {
                 shown,
                 options: &self.viewer.options,
                 exposure_ev: self.viewer.exposure_ev,
+                player: self.player.as_ref(),
                 size,
                 frame_ms: seconds * 1e3,
                 stamps_ns: frames.stamps_ns(),
@@ -44,6 +45,9 @@ impl App {
             },
         );
         self.viewer.exposure_ev = asked.exposure_ev.unwrap_or(self.viewer.exposure_ev);
+        if let (Some(player), Some(controls)) = (&mut self.player, asked.controls) {
+            player.controls = controls;
+        }
         if let Some((name, value)) = asked.set {
             self.set_option(name, value);
         }

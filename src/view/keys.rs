@@ -21,6 +21,13 @@ pub(super) enum Wish {
     Screenshot,
     Fullscreen,
     Overlay,
+    /// Animations go on, or stop.
+    Play,
+    NextAnimation,
+    /// Stops them, so many steps further.
+    Step(i32),
+    /// So many times twice as fast.
+    Hasten(i32),
 }
 
 /// The keys, for people.
@@ -33,6 +40,8 @@ F2                    the overlay: times, plan, bytes, options
 W A S D, Q E          fly; with Shift ten times as fast
 1 to 9, C             the scene's cameras, the next camera
 - =                   exposure by half a stop
+space, N              animation: play or stop, the next one
+, .   [ ]             a step back and on; half and twice the speed
 P                     screenshot
 F11                   full screen
 H, F1                 this help
@@ -57,7 +66,13 @@ impl Keys {
         match code {
             KeyCode::Minus | KeyCode::NumpadSubtract => Some(Wish::Expose(-1)),
             KeyCode::Equal | KeyCode::NumpadAdd => Some(Wish::Expose(1)),
+            KeyCode::Comma => Some(Wish::Step(-1)),
+            KeyCode::Period => Some(Wish::Step(1)),
             _ if event.repeat => None,
+            KeyCode::Space => Some(Wish::Play),
+            KeyCode::KeyN => Some(Wish::NextAnimation),
+            KeyCode::BracketLeft => Some(Wish::Hasten(-1)),
+            KeyCode::BracketRight => Some(Wish::Hasten(1)),
             KeyCode::Escape => Some(Wish::Quit),
             KeyCode::KeyH | KeyCode::F1 => Some(Wish::Help),
             KeyCode::KeyF => Some(Wish::Motion),

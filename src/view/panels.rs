@@ -3,10 +3,12 @@
 use std::collections::VecDeque;
 
 use egui::{
-    Align2, CollapsingHeader, Color32, ComboBox, FontId, Rect, RichText, Sense, Stroke, Ui, pos2, vec2,
+    Align2, CollapsingHeader, Color32, ComboBox, FontId, Rect, RichText, Sense, Slider, SliderClamping,
+    Stroke, Ui, pos2, vec2,
 };
 
 use super::keys::HELP;
+use super::player::{Controls, Player, SPEEDS};
 use super::shown::Shown;
 use crate::gpu::ExplainedKind;
 use crate::plan::{Layout, LightWay, Load, Options, Plan, Store, Strategy, Tonemap};
@@ -16,6 +18,8 @@ pub(super) struct Shows<'a> {
     pub(super) shown: &'a Shown,
     pub(super) options: &'a Options,
     pub(super) exposure_ev: f32,
+    /// Of a scene that moves.
+    pub(super) player: Option<&'a Player>,
     /// Of the picture, pixels.
     pub(super) size: [u32; 2],
     /// Between the last two frames.
@@ -33,6 +37,7 @@ pub(super) struct Asked {
     /// An option by its name, and its value.
     pub(super) set: Option<(&'static str, &'static str)>,
     pub(super) exposure_ev: Option<f32>,
+    pub(super) controls: Option<Controls>,
 }
 
 /// What panels remember.
@@ -84,6 +89,9 @@ impl Panels {
                     }
                     self.times(ui, shows);
                     switches(ui, shows, &mut asked);
+                    if let Some(player) = shows.player {
+                        section(ui, "Animation", true, |ui| asked.controls = controls(ui, player));
+                    }
                     section(ui, "Plan", true, |ui| plan(ui, shows.shown.renderer.plan()));
                     section(ui, "Bytes", true, |ui| bytes(ui, shows, mean(&self.frames_ms)));
                     section(ui, "Every object and its reason", false, |ui| objects(ui, shows.shown));
@@ -175,6 +183,30 @@ fn switches(ui: &mut Ui, shows: &Shows<'_>, asked: &mut Asked) {
             }
         });
     });
+}
+
+/// What was made of an animation's controls, if something was.
+fn controls(ui: &mut Ui, player: &Player) -> Option<Controls> {
+    let mut now = player.controls;
+    let name = |index: Option<usize>| match index {
+        Some(one) => format!("{one} {}", player.names()[one]),
+        None => "all".into(),
+    };
+    ui.horizontal(|ui| {
+        let sign = if now.is_playing { "stop" } else { "play" };
+        now.is_playing ^= ui.button(sign).clicked();
+        ComboBox::from_id_salt("animation").selected_text(name(now.animation)).show_ui(ui, |ui| {
+            let several = Some(None).filter(|_| player.names().len() > 1);
+            for index in (0..player.names().len()).map(Some).chain(several) {
+                ui.selectable_value(&mut now.animation, index, name(index));
+            }
+        });
+        ui.add(Slider::new(&mut now.speed, SPEEDS).logarithmic(true).suffix(" x"));
+    });
+    let end = player.duration_s().max(1e-3);
+    ui.spacing_mut().slider_width = 260.0;
+    ui.add(Slider::new(&mut now.time_s, 0.0..=end).suffix(" s").clamping(SliderClamping::Never));
+    (now != player.controls).then_some(now)
 }
 
 /// A row an attachment, a column a subpass: where it is live, written and read.

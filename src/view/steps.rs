@@ -43,6 +43,11 @@ impl Steps {
         Self { left, closes, ..Self::default() }
     }
 
+    /// Whether nobody but a script is there.
+    pub(super) fn is_script(&self) -> bool {
+        self.closes
+    }
+
     /// Whether something is still to be done.
     pub(super) fn are_left(&self) -> bool {
         self.closes || self.shot.is_some()
@@ -134,6 +139,10 @@ impl App {
             }
             Step::Set(name, value) => self.set_option(&name, &value),
             Step::Camera(wanted) => self.set_camera(&wanted)?,
+            Step::Play(is_playing) => self.control(|controls| controls.is_playing = is_playing)?,
+            Step::Time(time_s) => self.control(|controls| controls.time_s = time_s)?,
+            Step::Speed(speed) => self.control(|controls| controls.speed = speed)?,
+            Step::Animation(wanted) => self.set_animation(&wanted)?,
             Step::Exposure(ev) => self.viewer.exposure_ev = ev,
             Step::Drag([x, y]) => {
                 let size = self.open.as_ref().and_then(|open| open.frames.size());
