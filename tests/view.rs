@@ -15,6 +15,7 @@ use common::ignored_unless_required;
 use common::render::{LAVAPIPE, difference};
 use gltf_build::{Gltf, animate};
 use ontile::picture::Picture;
+use ontile::scene::Flight;
 use serde_json::json;
 
 /// An X server of the test's own.
@@ -208,6 +209,39 @@ fn what_plays_is_the_picture_of_its_time_and_leaves_nothing_behind() {
 
 /// Frames that play: several times round at any rate.
 const PLAYED: usize = 300;
+
+/// A camera that is turned by hand, recorded and flown again; `render` flies the same way.
+#[test]
+fn a_camera_path_is_recorded_and_flown() {
+    let Some(screen) = Screen::new() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |name: &str| Picture::read(&folder.path().join(name)).unwrap();
+    let lamps = asset("lamps.glb");
+    let args = [lamps.as_str(), "--size", "160x90"];
+    let script = "frames 3\nscreenshot begin.png\nrecord way.flight\nframes 2\ndrag 40 5\nframes 2\ndrag 30 -3\nframes 2\nstop\n\
+                  camera 0\nfly way.flight\nscreenshot flown.png\ncamera 0\nscreenshot back.png\nrecord whole.flight\nframes 1";
+    assert_eq!(view(folder.path(), &screen.display, script, &args), "");
+    let way = Flight::load(&folder.path().join("way.flight")).unwrap();
+    let mut eyes: Vec<_> = way.keys().iter().map(|key| key.eye_m).collect();
+    eyes.dedup();
+    assert_eq!(eyes.len(), 3, "{way:?}");
+    assert!(way.keys().iter().all(|key| key.yfov_rad == way.keys()[0].yfov_rad));
+    assert!(Flight::load(&folder.path().join("whole.flight")).is_ok(), "what is not stopped is written too");
+    assert_eq!(difference(&picture("back.png"), &picture("begin.png")), None);
+    assert!(difference(&picture("flown.png"), &picture("begin.png")).is_some(), "it flies");
+    let render =
+        ["render", &lamps, "--size", "160x90", "--flight", "way.flight", "--frames", "3", "-o", "render.png"];
+    ontile(folder.path(), "", &render);
+    assert_eq!(difference(&picture("flown.png"), &picture("render.png")), None);
+    // A flight to begin with.
+    view(
+        folder.path(),
+        &screen.display,
+        "frames 300\nscreenshot end.png",
+        &[&args[..], &["--flight", "way.flight"]].concat(),
+    );
+    assert_eq!(difference(&picture("end.png"), &picture("flown.png")), None);
+}
 
 #[test]
 fn without_a_screen_it_says_so() {

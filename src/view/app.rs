@@ -12,11 +12,14 @@ use winit::event::{ElementState, StartCause, TouchPhase, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
+use super::course::Course;
 use super::frames::{Drawn, Frames};
 use super::hand::Hand;
 use super::keys::{HELP, Keys, Wish};
 use super::overlay::Overlay;
 use super::player::Player;
+#[cfg(feature = "shader-compiler")]
+use super::reload::Reload;
 use super::rig::{Motion, Rig};
 use super::steps::Steps;
 use super::{Viewer, no_window};
@@ -33,7 +36,12 @@ pub(super) struct App {
     pub(super) player: Option<Player>,
     pub(super) open: Option<Open>,
     pub(super) rig: Rig,
+    pub(super) course: Course,
+    /// The file of the camera path that was recorded last.
+    pub(super) recorded: Option<PathBuf>,
     pub(super) steps: Steps,
+    #[cfg(feature = "shader-compiler")]
+    pub(super) reload: Option<Reload>,
     /// What the script says of the window's size, where the system would not do it.
     pub(super) is_minimised: bool,
     /// The system has the window's surface.
@@ -68,6 +76,12 @@ struct Clock {
     frames: u32,
 }
 
+/// A file's name that is not taken.
+pub(super) fn free_name(extension: &str) -> PathBuf {
+    let name = |n: u32| PathBuf::from(format!("ontile-{n:04}.{extension}"));
+    (1..10_000).map(name).find(|path| !path.exists()).unwrap_or_else(|| name(10_000))
+}
+
 /// A frame plays no more seconds than this, however long the one before was.
 const MOST_PLAYED_S: f64 = 1.0;
 
@@ -89,6 +103,10 @@ impl App {
             rig,
             steps,
             player,
+            course: viewer.flight.take().map(Course::flown).unwrap_or_default(),
+            recorded: None,
+            #[cfg(feature = "shader-compiler")]
+            reload: viewer.glsl.take().map(Reload::of_folder),
             world: scene.into(),
             open: None,
             is_minimised: false,
@@ -109,12 +127,13 @@ impl App {
 
     /// Destroys all, and says how it went.
     pub(super) fn finish(mut self) -> Result<()> {
+        let written = self.end_course();
         let messages = self.open.take().map(|open| open.frames.close()).transpose();
         if let Some(error) = self.failed {
             return Err(error);
         }
         match messages?.unwrap_or_default().as_slice() {
-            [] => Ok(()),
+            [] => written,
             all @ [first, ..] => Err(Error::unsupported(
                 format!("the validation layer has {} messages, first: {first}", all.len()),
                 "report this as a bug of ontile or of the driver",
@@ -192,7 +211,7 @@ impl App {
         self.tell_text(&error.to_string());
     }
 
-    fn tell_text(&self, text: &str) {
+    pub(super) fn tell_text(&self, text: &str) {
         self.message.replace(text.to_owned());
         (self.viewer.tell)(text);
     }
@@ -231,6 +250,8 @@ impl App {
             self.show_first()?;
         }
         self.show_loaded();
+        #[cfg(feature = "shader-compiler")]
+        self.take_modules();
         let seconds = self.clock.last.elapsed().as_secs_f32();
         self.clock.last = Instant::now();
         let flight = self.keys.flight();
@@ -238,6 +259,7 @@ impl App {
             self.rig.fly(flight * seconds.min(0.1));
         }
         self.play(f64::from(seconds).min(MOST_PLAYED_S));
+        self.steer(f64::from(seconds));
         self.lay_out(seconds);
         let Some(open) = &mut self.open else { return Ok(()) };
         let overlay = open.overlay.as_mut().map(|(overlay, _)| overlay);
@@ -297,14 +319,13 @@ impl App {
             Wish::NextAnimation => self.next_animation(),
             Wish::Step(steps) => self.step_animation(steps),
             Wish::Hasten(doublings) => self.hasten(doublings),
+            Wish::Course(wish) => self.set_course(wish),
             Wish::Expose(half_stops) => {
                 let ev = self.viewer.exposure_ev + 0.5 * half_stops as f32;
                 self.viewer.exposure_ev = ev.clamp(-64.0, 64.0);
             }
             Wish::Screenshot => {
-                let name = |n: u32| PathBuf::from(format!("ontile-{n:04}.png"));
-                let free = (1..10_000).map(name).find(|path| !path.exists());
-                let path = free.unwrap_or_else(|| name(10_000));
+                let path = free_name("png");
                 self.tell_text(&format!("screenshot: {}", path.display()));
                 self.steps.want_shot(path);
             }
@@ -374,6 +395,9 @@ impl ApplicationHandler for App {
             }
             WindowEvent::Occluded(is_occluded) => self.is_occluded = is_occluded,
             WindowEvent::Focused(false) => self.keys.release(),
+            WindowEvent::DroppedFile(path) if path.extension().is_some_and(|e| e == "flight") => {
+                self.fly(&path).unwrap_or_else(|error| self.tell(&error));
+            }
             WindowEvent::DroppedFile(path) => self.load(&path),
             WindowEvent::KeyboardInput { event, .. } if !is_taken || !event.state.is_pressed() => {
                 if let Some(wish) = self.keys.event(&event) {

@@ -7,6 +7,8 @@ use std::sync::Arc;
 use super::Viewer;
 use super::overlay::Overlay;
 use super::shown::Shown;
+#[cfg(feature = "shader-compiler")]
+use crate::gpu::shader::Modules;
 use crate::gpu::{
     HeadlessOptions, PipelineCache, PresentMode, Presented, Presenter, Recorder, Renderer, Surface,
     Swapchain, Target, View, WindowHandles, WindowHost,
@@ -185,6 +187,18 @@ impl Frames {
         self.shows += 1;
         self.stamps_ns.clear();
         Ok(())
+    }
+
+    /// Shows the same by other shader modules. What was shown goes on if that fails.
+    #[cfg(feature = "shader-compiler")]
+    pub(super) fn set_modules(&mut self, modules: Modules, scene: &Scene, options: &Options) -> Result<()> {
+        let others = self.cache.with_modules(modules);
+        let before = std::mem::replace(&mut self.cache, others);
+        let shown = self.show(scene, options);
+        if shown.is_err() {
+            self.cache = before;
+        }
+        shown
     }
 
     /// Draws a frame to images that [`Self::prepare`] has made, and reads it back if that is asked for.

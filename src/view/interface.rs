@@ -37,6 +37,7 @@ impl App {
                 options: &self.viewer.options,
                 exposure_ev: self.viewer.exposure_ev,
                 player: self.player.as_ref(),
+                course: &self.course,
                 size,
                 frame_ms: seconds * 1e3,
                 stamps_ns: frames.stamps_ns(),
@@ -47,6 +48,9 @@ impl App {
         self.viewer.exposure_ev = asked.exposure_ev.unwrap_or(self.viewer.exposure_ev);
         if let (Some(player), Some(controls)) = (&mut self.player, asked.controls) {
             player.controls = controls;
+        }
+        if let Some(wish) = asked.course {
+            self.set_course(wish);
         }
         if let Some((name, value)) = asked.set {
             self.set_option(name, value);

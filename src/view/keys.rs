@@ -6,6 +6,8 @@ use glam::Vec3;
 use winit::event::{ElementState, KeyEvent};
 use winit::keyboard::{KeyCode, PhysicalKey};
 
+use super::course::CourseWish;
+
 /// What keys ask for, once each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Wish {
@@ -28,6 +30,8 @@ pub(super) enum Wish {
     Step(i32),
     /// So many times twice as fast.
     Hasten(i32),
+    /// Records or flies a camera path, or stops that.
+    Course(CourseWish),
 }
 
 /// The keys, for people.
@@ -42,11 +46,12 @@ W A S D, Q E          fly; with Shift ten times as fast
 - =                   exposure by half a stop
 space, N              animation: play or stop, the next one
 , .   [ ]             a step back and on; half and twice the speed
+R, T                  record the camera's path, or stop and write it; fly it
 P                     screenshot
 F11                   full screen
 H, F1                 this help
 Esc                   quit
-A scene file that is dropped on the window is opened.";
+A scene file that is dropped on the window is opened, a .flight is flown.";
 
 /// Keys that are held.
 #[derive(Debug, Default)]
@@ -71,6 +76,8 @@ impl Keys {
             _ if event.repeat => None,
             KeyCode::Space => Some(Wish::Play),
             KeyCode::KeyN => Some(Wish::NextAnimation),
+            KeyCode::KeyR => Some(Wish::Course(CourseWish::Record)),
+            KeyCode::KeyT => Some(Wish::Course(CourseWish::Fly)),
             KeyCode::BracketLeft => Some(Wish::Hasten(-1)),
             KeyCode::BracketRight => Some(Wish::Hasten(1)),
             KeyCode::Escape => Some(Wish::Quit),

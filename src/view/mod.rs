@@ -14,6 +14,7 @@
 #[cfg(all(feature = "android", target_os = "android"))]
 mod android;
 mod app;
+mod course;
 mod frames;
 mod hand;
 mod interface;
@@ -21,6 +22,8 @@ mod keys;
 mod overlay;
 mod panels;
 mod player;
+#[cfg(any(test, feature = "shader-compiler"))]
+mod reload;
 mod rig;
 mod script;
 mod shown;
@@ -37,7 +40,7 @@ pub use script::Script;
 
 use crate::environment::{Cache, DEFAULT_FACE_SIZE, TexelFormat};
 use crate::plan::Options;
-use crate::scene::Scene;
+use crate::scene::{Flight, Scene};
 use crate::{Error, Result};
 
 /// How a scene file becomes a scene, on any thread.
@@ -59,6 +62,11 @@ pub struct Viewer {
     pub animation: Option<String>,
     /// Where in it the scene stands to begin with, seconds. By default it is played from its begin, unless there is a script.
     pub time_s: Option<f64>,
+    /// Flown to begin with.
+    pub flight: Option<Flight>,
+    /// A folder of GLSL whose changes are drawn with: what has changed is compiled while frames go on.
+    #[cfg(feature = "shader-compiler")]
+    pub glsl: Option<PathBuf>,
     /// When frames are shown.
     pub present: PresentMode,
     /// Frames on the GPU at a time, at least 1.
@@ -91,6 +99,9 @@ impl Viewer {
             camera: None,
             animation: None,
             time_s: None,
+            flight: None,
+            #[cfg(feature = "shader-compiler")]
+            glsl: None,
             present: PresentMode::Fifo,
             frames_in_flight: 2,
             device: None,

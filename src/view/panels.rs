@@ -7,6 +7,7 @@ use egui::{
     Stroke, Ui, pos2, vec2,
 };
 
+use super::course::{Course, CourseWish};
 use super::keys::HELP;
 use super::player::{Controls, Player, SPEEDS};
 use super::shown::Shown;
@@ -20,6 +21,7 @@ pub(super) struct Shows<'a> {
     pub(super) exposure_ev: f32,
     /// Of a scene that moves.
     pub(super) player: Option<&'a Player>,
+    pub(super) course: &'a Course,
     /// Of the picture, pixels.
     pub(super) size: [u32; 2],
     /// Between the last two frames.
@@ -38,6 +40,7 @@ pub(super) struct Asked {
     pub(super) set: Option<(&'static str, &'static str)>,
     pub(super) exposure_ev: Option<f32>,
     pub(super) controls: Option<Controls>,
+    pub(super) course: Option<CourseWish>,
 }
 
 /// What panels remember.
@@ -92,6 +95,7 @@ impl Panels {
                     if let Some(player) = shows.player {
                         section(ui, "Animation", true, |ui| asked.controls = controls(ui, player));
                     }
+                    section(ui, "Camera path", false, |ui| asked.course = course(ui, shows.course));
                     section(ui, "Plan", true, |ui| plan(ui, shows.shown.renderer.plan()));
                     section(ui, "Bytes", true, |ui| bytes(ui, shows, mean(&self.frames_ms)));
                     section(ui, "Every object and its reason", false, |ui| objects(ui, shows.shown));
@@ -183,6 +187,21 @@ fn switches(ui: &mut Ui, shows: &Shows<'_>, asked: &mut Asked) {
             }
         });
     });
+}
+
+fn course(ui: &mut Ui, course: &Course) -> Option<CourseWish> {
+    let record = if course.is_recorded() { "stop and write" } else { "record" };
+    let fly = if course.is_flown() { "stop" } else { "fly what was recorded" };
+    ui.horizontal(|ui| {
+        let is_recording = ui.button(record).clicked();
+        let is_flying = ui.button(fly).clicked();
+        match (is_recording, is_flying) {
+            (true, _) => Some(CourseWish::Record),
+            (_, true) => Some(CourseWish::Fly),
+            _ => None,
+        }
+    })
+    .inner
 }
 
 /// What was made of an animation's controls, if something was.

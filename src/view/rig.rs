@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_PI_2;
 
 use glam::{Mat3, Mat4, Quat, Vec3};
 
-use crate::scene::{Camera, Projection, Scene};
+use crate::scene::{Camera, Flight, Projection, Scene};
 
 /// How a drag turns the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +52,12 @@ impl Rig {
         if let Some(camera) = self.index.and_then(|index| scene.cameras.get(index)) {
             self.camera.world_from_view = camera.world_from_view;
         }
+    }
+
+    /// Goes to where a flight is after so many seconds.
+    pub(super) fn fly_along(&mut self, flight: &Flight, seconds: f64) {
+        self.index = None;
+        flight.place(&mut self.camera, seconds);
     }
 
     fn eye(&self) -> Vec3 {

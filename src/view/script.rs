@@ -20,6 +20,9 @@ use crate::{Error, Result};
 /// | `animation N\|NAME\|all` | takes this one of the scene's animations, or all at once |
 /// | `play`, `pause` | lets it go on, from its begin after its end, or stops it |
 /// | `speed FACTOR` | plays so many seconds of it a second |
+/// | `record FILE`, `stop` | records the camera's path as a [`Flight`](crate::scene::Flight), a key a frame, and writes it |
+/// | `fly FILE` | flies such a path, and goes on at its end |
+/// | `reload` | compiles what has changed of the folder of GLSL, and goes on when that is done or has failed |
 /// | `exposure EV` | sets the exposure, stops |
 /// | `drag X Y` | turns the camera as if a pointer went so many pixels to the right and down |
 /// | `screenshot FILE` | shows a frame and writes it |
@@ -43,6 +46,10 @@ pub(super) enum Step {
     Animation(String),
     Play(bool),
     Speed(f64),
+    Record(PathBuf),
+    Stop,
+    Fly(PathBuf),
+    Reload,
     Exposure(f32),
     Drag([f32; 2]),
     Screenshot(PathBuf),
@@ -112,6 +119,10 @@ fn step(line: &str) -> Result<Step, String> {
         "speed" => finite(rest).map(Step::Speed).ok_or_else(|| needs("a factor")),
         "play" => alone(Step::Play(true)),
         "pause" => alone(Step::Play(false)),
+        "record" => file().map(Step::Record),
+        "stop" => alone(Step::Stop),
+        "reload" => alone(Step::Reload),
+        "fly" => file().map(Step::Fly),
         "exposure" => number(rest).map(Step::Exposure).ok_or_else(|| needs("a number of stops")),
         "drag" => {
             let pair = rest.split_once(char::is_whitespace);
@@ -144,7 +155,7 @@ mod tests {
 
     #[test]
     fn lines_are_commands() {
-        let text = "size 640x360 # at first\n\n  frames 3\nset layout packed128\nopen a b.glb\ncamera 1\ntime 0.5\nanimation all\nplay\nspeed -2\npause\nexposure -1.5\n\
+        let text = "size 640x360 # at first\n\n  frames 3\nset layout packed128\nopen a b.glb\ncamera 1\ntime 0.5\nanimation all\nplay\nspeed -2\npause\nrecord a.flight\nstop\nfly a.flight\nreload\nexposure -1.5\n\
                     drag 10 -4\nscreenshot o.png\nlive l.json\noverlay on\nsuspend\nresume\nstay\n";
         let expected = [
             Step::Size([640, 360]),
@@ -157,6 +168,10 @@ mod tests {
             Step::Play(true),
             Step::Speed(-2.0),
             Step::Play(false),
+            Step::Record("a.flight".into()),
+            Step::Stop,
+            Step::Fly("a.flight".into()),
+            Step::Reload,
             Step::Exposure(-1.5),
             Step::Drag([10.0, -4.0]),
             Step::Screenshot("o.png".into()),
