@@ -38,6 +38,7 @@ impl PipelineCache {
     }
 
     /// The same cache, for pipelines that are made of these shader modules from now on.
+    #[doc(hidden)]
     pub fn with_modules(&self, modules: Modules) -> Self {
         Self { raw: Arc::clone(&self.raw), modules }
     }
