@@ -15,7 +15,7 @@ use ontile::gpu::{RendererConfig, View};
 use ontile::picture::Picture;
 use ontile::plan::{
     BloomWay, DecalWay, Edges, Layout, LightWay, Limits, Needs, Options, OutputFormat, Path, Plan,
-    Refraction, ResolveWay, Strategy, Tonemap, Translucency,
+    Refraction, ResolveWay, Show, Strategy, Tonemap, Translucency,
 };
 use ontile::scene::{Scene, Shadow};
 
@@ -71,6 +71,14 @@ fn choices(limits: &Limits) -> Vec<Choice> {
         choice("refraction", false, &[Refraction::None, Refraction::Pass], |o, v| o.refraction = v),
         choice("shadow volumes", false, &[false, false, true], |o, v| o.shadow_volumes = v),
         choice("overlay", false, &[false, false, true], |o, v| o.overlay = v),
+        choice(
+            "show",
+            false,
+            &[Show::Picture, Show::Picture, Show::Channels, Show::Lights, Show::Edges],
+            |o, v| {
+                o.show = v;
+            },
+        ),
         choice("path", false, &paths, |o, v| o.path = v),
         choice("samples", false, &[1, 4], |o, v| o.samples = v),
         choice("resolve", false, ResolveWay::ALL, |o, v| o.resolve = v),
@@ -134,15 +142,6 @@ fn arranged(choices: &[Choice], row: &[usize]) -> (Options, Options, String) {
 /// Draws the combinations; returns how many there were, and which pairs of values the plan refuses whatever else is chosen.
 fn draw(gpu: &Gpu<'_>) -> (usize, Vec<String>) {
     let limits = gpu.device().limits();
-    // Advice that one frame after another gets, never a frame alone: the second clears what the first has stored.
-    gpu.excuse("BestPractices-RenderPass-redundant-store");
-    if limits.merging.local_read.is_ok() {
-        // Layers of 1.4 (seen with 309 and 363; 1.3.239 does not) report a hazard between the change of layout that a subpass begins
-        // with and its own use of the attachment, where it depends on two earlier subpasses and one of them alone orders that
-        // attachment. Only render passes change layouts so: nothing of renderings is excused, and render passes are watched by the
-        // same test on the machine's own layer.
-        gpu.excuse("which was previously written during an image layout transition initiated by ");
-    }
     let (scenes, choices) = (chosen_scenes(), choices(&limits));
     let needs: Vec<_> = scenes.iter().map(Needs::of).collect();
     let counts: Vec<_> =

@@ -12,6 +12,7 @@ mod numbers;
 mod places;
 mod post_constants;
 mod prune;
+mod show_constants;
 mod specialization;
 
 #[cfg(feature = "shader-compiler")]
@@ -128,11 +129,15 @@ pub enum Module {
     Overlay,
     /// Poses a mesh.
     Pose,
+    /// Writes what the G-buffer holds in place of the picture.
+    Show,
+    /// [`Self::Show`] of several samples a pixel.
+    ShowSamples,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 40] = [
+    pub const ALL: [Self; 42] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -173,6 +178,8 @@ impl Module {
         Self::OverlayVertex,
         Self::Overlay,
         Self::Pose,
+        Self::Show,
+        Self::ShowSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -208,6 +215,7 @@ impl Module {
             Self::OverlayVertex => "overlay.vert",
             Self::Overlay => "overlay.frag",
             Self::Pose => "pose.comp",
+            Self::Show | Self::ShowSamples => "show.frag",
         }
     }
 
@@ -224,6 +232,7 @@ impl Module {
             Self::PeelSamples => "peel_samples.frag",
             Self::CompositeSamples => "composite_samples.frag",
             Self::ForwardSamples => "forward_samples.frag",
+            Self::ShowSamples => "show_samples.frag",
             _ => self.source(),
         }
     }
@@ -240,7 +249,8 @@ impl Module {
             | Self::MediumSamples
             | Self::PeelSamples
             | Self::CompositeSamples
-            | Self::ForwardSamples => &["MULTISAMPLED"],
+            | Self::ForwardSamples
+            | Self::ShowSamples => &["MULTISAMPLED"],
             Self::ShadowNearEndsVertex => &["NEAR_ENDS"],
             _ => &[],
         }
@@ -258,6 +268,7 @@ impl Module {
             Self::Peel => Self::PeelSamples,
             Self::Composite => Self::CompositeSamples,
             Self::Forward => Self::ForwardSamples,
+            Self::Show => Self::ShowSamples,
             other => other,
         }
     }

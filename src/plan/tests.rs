@@ -108,7 +108,14 @@ fn check_dependencies(
                 let is_depth = frame.resources[place[0]].format.is_depth();
                 let state = |s: usize| State::of(&uses_in(s), is_depth);
                 let changes = pass.enter.is_empty() && state(i) != state(j);
-                if ordered || !(writes(i) || writes(j) || is_last || changes) {
+                // And the change that the first of several reads begins with, for the others.
+                let since = users.iter().rev().filter(|&&k| k <= j).take_while(|&&k| state(k) == state(j));
+                let is_next = !users.iter().any(|&k| i < k && k < j);
+                let settled = pass.enter.is_empty()
+                    && is_next
+                    && state(i) == state(j)
+                    && since.copied().all(|k| !writes(k));
+                if ordered || !(writes(i) || writes(j) || is_last || changes || settled) {
                     continue;
                 }
                 for (a, b) in uses_in(i).into_iter().flat_map(|a| uses_in(j).into_iter().map(move |b| (a, b)))

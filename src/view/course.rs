@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use egui::Ui;
+
 use super::app::App;
 use crate::Result;
 use crate::scene::{Flight, FlightKey};
@@ -33,12 +35,24 @@ impl Course {
         Self::Flown { flight, time_s: None }
     }
 
-    pub(super) fn is_recorded(&self) -> bool {
-        matches!(self, Self::Recorded { .. })
-    }
-
     pub(super) fn is_flown(&self) -> bool {
         matches!(self, Self::Flown { .. })
+    }
+
+    /// Its part of the interface.
+    pub(super) fn panel(&self, ui: &mut Ui) -> Option<CourseWish> {
+        let record = if matches!(self, Self::Recorded { .. }) { "stop and write" } else { "record" };
+        let fly = if self.is_flown() { "stop" } else { "fly what was recorded" };
+        ui.horizontal(|ui| {
+            let is_recording = ui.button(record).clicked();
+            let is_flying = ui.button(fly).clicked();
+            match (is_recording, is_flying) {
+                (true, _) => Some(CourseWish::Record),
+                (_, true) => Some(CourseWish::Fly),
+                _ => None,
+            }
+        })
+        .inner
     }
 }
 

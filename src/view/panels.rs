@@ -3,16 +3,16 @@
 use std::collections::VecDeque;
 
 use egui::{
-    Align2, CollapsingHeader, Color32, ComboBox, FontId, Rect, RichText, Sense, Slider, SliderClamping,
-    Stroke, Ui, pos2, vec2,
+    Align2, CollapsingHeader, Color32, ComboBox, FontId, LayerId, Rect, RichText, Sense, Stroke, Ui, pos2,
+    vec2,
 };
 
 use super::course::{Course, CourseWish};
 use super::keys::HELP;
-use super::player::{Controls, Player, SPEEDS};
+use super::player::{Controls, Player};
 use super::shown::Shown;
 use crate::gpu::ExplainedKind;
-use crate::plan::{Layout, LightWay, Load, Options, Plan, Store, Strategy, Tonemap};
+use crate::plan::{Layout, LightWay, Load, Options, Plan, Show, Store, Strategy, Tonemap, heat};
 
 /// What there is to show.
 pub(super) struct Shows<'a> {
@@ -60,11 +60,12 @@ const LIVE: Color32 = Color32::from_rgb(60, 75, 95);
 type Switch = (&'static str, fn() -> Vec<&'static str>, fn(&Options) -> String);
 
 /// Options with their values, all by name.
-const SWITCHES: [Switch; 5] = [
+const SWITCHES: [Switch; 6] = [
     ("strategy", || Strategy::ALL.iter().map(|v| v.name()).collect(), |o| o.strategy.to_string()),
     ("layout", || Layout::ALL.iter().map(|v| v.name()).collect(), |o| o.layout.to_string()),
     ("lights", || LightWay::ALL.iter().map(|v| v.name()).collect(), |o| o.lights.to_string()),
     ("samples", || vec!["1", "2", "4", "8"], |o| o.samples.to_string()),
+    ("show", || Show::ALL.iter().map(|v| v.name()).collect(), |o| o.show.to_string()),
     ("tonemap", || Tonemap::ALL.iter().map(|v| v.name()).collect(), |o| o.tonemap.to_string()),
 ];
 
@@ -93,9 +94,12 @@ impl Panels {
                     self.times(ui, shows);
                     switches(ui, shows, &mut asked);
                     if let Some(player) = shows.player {
-                        section(ui, "Animation", true, |ui| asked.controls = controls(ui, player));
+                        section(ui, "Animation", true, |ui| asked.controls = player.panel(ui));
                     }
-                    section(ui, "Camera path", false, |ui| asked.course = course(ui, shows.course));
+                    section(ui, "Camera path", false, |ui| asked.course = shows.course.panel(ui));
+                    if shows.options.show == Show::Lights {
+                        legend(ui);
+                    }
                     section(ui, "Plan", true, |ui| plan(ui, shows.shown.renderer.plan()));
                     section(ui, "Bytes", true, |ui| bytes(ui, shows, mean(&self.frames_ms)));
                     section(ui, "Every object and its reason", false, |ui| objects(ui, shows.shown));
@@ -107,6 +111,7 @@ impl Panels {
                 });
             },
         );
+        name_strips(context, shows);
         asked
     }
 
@@ -189,43 +194,39 @@ fn switches(ui: &mut Ui, shows: &Shows<'_>, asked: &mut Asked) {
     });
 }
 
-fn course(ui: &mut Ui, course: &Course) -> Option<CourseWish> {
-    let record = if course.is_recorded() { "stop and write" } else { "record" };
-    let fly = if course.is_flown() { "stop" } else { "fly what was recorded" };
+/// What colours of `--show lights` say.
+fn legend(ui: &mut Ui) {
     ui.horizontal(|ui| {
-        let is_recording = ui.button(record).clicked();
-        let is_flying = ui.button(fly).clicked();
-        match (is_recording, is_flying) {
-            (true, _) => Some(CourseWish::Record),
-            (_, true) => Some(CourseWish::Fly),
-            _ => None,
+        ui.label("lights");
+        for lights in [0, 1, 2, 3, 5, 8, 12, 20, 31, 45, 63] {
+            let [r, g, b] = heat(lights).map(|x| (x * 255.0).round() as u8);
+            let (rect, _) = ui.allocate_exact_size(vec2(24.0, 16.0), Sense::hover());
+            let painter = ui.painter_at(rect);
+            painter.rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
+            let is_bright = u32::from(r) + 2 * u32::from(g) + u32::from(b) > 400;
+            let color = if is_bright { Color32::BLACK } else { Color32::WHITE };
+            let text = if lights == 63 { "63+".to_owned() } else { lights.to_string() };
+            painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(10.0), color);
         }
-    })
-    .inner
+    });
 }
 
-/// What was made of an animation's controls, if something was.
-fn controls(ui: &mut Ui, player: &Player) -> Option<Controls> {
-    let mut now = player.controls;
-    let name = |index: Option<usize>| match index {
-        Some(one) => format!("{one} {}", player.names()[one]),
-        None => "all".into(),
-    };
-    ui.horizontal(|ui| {
-        let sign = if now.is_playing { "stop" } else { "play" };
-        now.is_playing ^= ui.button(sign).clicked();
-        ComboBox::from_id_salt("animation").selected_text(name(now.animation)).show_ui(ui, |ui| {
-            let several = Some(None).filter(|_| player.names().len() > 1);
-            for index in (0..player.names().len()).map(Some).chain(several) {
-                ui.selectable_value(&mut now.animation, index, name(index));
-            }
-        });
-        ui.add(Slider::new(&mut now.speed, SPEEDS).logarithmic(true).suffix(" x"));
-    });
-    let end = player.duration_s().max(1e-3);
-    ui.spacing_mut().slider_width = 260.0;
-    ui.add(Slider::new(&mut now.time_s, 0.0..=end).suffix(" s").clamping(SliderClamping::Never));
-    (now != player.controls).then_some(now)
+/// The names of what is shown in strips, at the lower edge of each.
+fn name_strips(context: &egui::Context, shows: &Shows<'_>) {
+    let strips = shows.shown.renderer.plan().strips();
+    let rect = context.content_rect();
+    let painter = context.layer_painter(LayerId::background());
+    for (index, strip) in strips.iter().enumerate() {
+        let x = |at: f32| rect.left() + rect.width() * at / strips.len() as f32;
+        if index > 0 {
+            painter.vline(x(index as f32), rect.y_range(), Stroke::new(1.0, Color32::from_white_alpha(120)));
+        }
+        let place = pos2(x(index as f32 + 0.5), rect.bottom() - 12.0);
+        let text = painter.layout_no_wrap(strip.name().into(), FontId::proportional(13.0), Color32::WHITE);
+        let behind = Align2::CENTER_CENTER.anchor_size(place, text.size());
+        painter.rect_filled(behind.expand(3.0), 3.0, Color32::from_black_alpha(190));
+        painter.galley(behind.min, text, Color32::WHITE);
+    }
 }
 
 /// A row an attachment, a column a subpass: where it is live, written and read.

@@ -1,5 +1,7 @@
 //! Animations as they play.
 
+use egui::{ComboBox, Slider, SliderClamping, Ui};
+
 use super::app::App;
 use crate::scene::{Play, Scene, World};
 use crate::{Error, Result};
@@ -28,9 +30,9 @@ pub(super) struct Player {
 }
 
 /// A key goes this far, seconds.
-pub(super) const STEP_S: f64 = 1.0 / 30.0;
+const STEP_S: f64 = 1.0 / 30.0;
 /// Speeds that keys and the panel give.
-pub(super) const SPEEDS: std::ops::RangeInclusive<f64> = 1.0 / 16.0..=16.0;
+const SPEEDS: std::ops::RangeInclusive<f64> = 1.0 / 16.0..=16.0;
 
 impl Player {
     /// What plays from its begin, or stands; `None` for a scene that stands still.
@@ -73,8 +75,28 @@ impl Player {
         Ok(())
     }
 
-    pub(super) fn names(&self) -> &[String] {
-        &self.names
+    /// Its part of the interface: what was made of the controls, if something was.
+    pub(super) fn panel(&self, ui: &mut Ui) -> Option<Controls> {
+        let mut now = self.controls;
+        let name = |index: Option<usize>| match index {
+            Some(one) => format!("{one} {}", self.names[one]),
+            None => "all".into(),
+        };
+        ui.horizontal(|ui| {
+            let sign = if now.is_playing { "stop" } else { "play" };
+            now.is_playing ^= ui.button(sign).clicked();
+            ComboBox::from_id_salt("animation").selected_text(name(now.animation)).show_ui(ui, |ui| {
+                let several = Some(None).filter(|_| self.names.len() > 1);
+                for index in (0..self.names.len()).map(Some).chain(several) {
+                    ui.selectable_value(&mut now.animation, index, name(index));
+                }
+            });
+            ui.add(Slider::new(&mut now.speed, SPEEDS).logarithmic(true).suffix(" x"));
+        });
+        let end = self.duration_s().max(1e-3);
+        ui.spacing_mut().slider_width = 260.0;
+        ui.add(Slider::new(&mut now.time_s, 0.0..=end).suffix(" s").clamping(SliderClamping::Never));
+        (now != self.controls).then_some(now)
     }
 
     /// Of what was chosen; of all that of the longest.
