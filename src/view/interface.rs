@@ -67,7 +67,7 @@ impl App {
         let Some(open) = &self.open else { return };
         let options = &self.viewer.options;
         let now = Show::ALL.iter().position(|show| *show == options.show).unwrap_or(0);
-        let (count, needs, limits) = (Show::ALL.len(), Needs::of(&self.scene), open.frames.limits());
+        let (count, needs, limits) = (Show::ALL.len(), Needs::of(self.world.scene()), open.frames.limits());
         let others = (1..count).map(|n| Show::ALL[(now + if backwards { count - n } else { n }) % count]);
         let mut others = others.map(|show| Options { show, ..options.clone() });
         if let Some(next) = others.find(|o| Plan::new(needs.clone(), o.clone(), &limits).is_ok()) {
