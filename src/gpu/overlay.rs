@@ -150,6 +150,13 @@ impl Overlay {
         self.pipeline
     }
 
+    /// Draws what another has drawn, whose frames may be on the GPU; pipeline and layout of the set are its own.
+    pub(super) fn take(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.image, &mut other.image);
+        std::mem::swap(&mut self.slots, &mut other.slots);
+        self.write_set();
+    }
+
     pub(super) fn set_of_image(&self) -> vk::DescriptorSet {
         self.sets.raw(0)
     }

@@ -4,7 +4,10 @@
 //! and a test compares the two.
 
 mod collected;
+#[cfg(feature = "shader-compiler")]
+mod compile;
 mod declared;
+mod modules;
 mod numbers;
 mod places;
 mod post_constants;
@@ -12,7 +15,10 @@ mod prune;
 mod show_constants;
 mod specialization;
 
+#[cfg(feature = "shader-compiler")]
+pub use compile::{Compiled, compile};
 pub(in crate::gpu) use declared::declared;
+pub use modules::Modules;
 pub use numbers::{shared, shared_names};
 pub use places::AttachmentPlaces;
 pub use prune::{Pruned, prune};
@@ -316,14 +322,7 @@ impl Shaders {
         constants: &Specialization,
         attachments: &AttachmentPlaces,
     ) -> Result<Self> {
-        let left = |module: Module, read| prune(module.name(), module.spirv()?, constants, read);
-        let fragment = fragment.map(|module| {
-            let left = left(module, None)?;
-            Ok((attachments.apply(module.name(), left.spirv)?, left.inputs))
-        });
-        let (fragment, read) = fragment.transpose()?.unzip();
-        let vertex = left(vertex, Some(&read.unwrap_or_default()))?;
-        Ok(Self { vertex: vertex.spirv, fragment, attributes: vertex.inputs })
+        Modules::default().shaders(vertex, fragment, constants, attachments)
     }
 }
 

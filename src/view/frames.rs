@@ -7,12 +7,14 @@ use std::sync::Arc;
 use super::Viewer;
 use super::overlay::Overlay;
 use super::shown::Shown;
+#[cfg(feature = "shader-compiler")]
+use crate::gpu::shader::Modules;
 use crate::gpu::{
-    HeadlessOptions, PipelineCache, PresentMode, Presented, Presenter, Renderer, Surface, Swapchain, View,
-    WindowHandles, WindowHost,
+    HeadlessOptions, PipelineCache, PresentMode, Presented, Presenter, Recorder, Renderer, Surface,
+    Swapchain, Target, View, WindowHandles, WindowHost,
 };
 use crate::plan::{Limits, Options};
-use crate::scene::Scene;
+use crate::scene::{Scene, World};
 use crate::{Error, Result};
 
 /// A window's device and all that is made from it.
@@ -51,6 +53,21 @@ fn prepare(
         *stamps_ns = stamps;
     }
     overlay.map_or(Ok(()), |overlay| renderer.set_overlay(slot, &overlay.frame()))
+}
+
+/// Brings renderer and target to where the world is; what was the target, of which frames may be on the GPU, if there is another.
+fn follow(
+    renderer: &mut Renderer,
+    target: &mut Target,
+    swapchain: &Swapchain,
+    world: &World,
+    recorder: &Recorder<'_>,
+) -> Result<Option<Target>> {
+    if world.changes().is_empty() || !renderer.update(world, recorder)?.new_targets {
+        return Ok(None);
+    }
+    let other = renderer.create_target(swapchain.size(), &swapchain.outputs())?;
+    Ok(Some(std::mem::replace(target, other)))
 }
 
 /// Arm's advice against all that is asked for by other modes.
@@ -157,7 +174,7 @@ impl Frames {
     }
 
     /// Shows a scene by some options from now on. What was shown goes on if that fails.
-    pub(super) fn show(&mut self, scene: &Arc<Scene>, options: &Options) -> Result<()> {
+    pub(super) fn show(&mut self, scene: &Scene, options: &Options) -> Result<()> {
         let Some(swapchain) = &self.swapchain else {
             return Err(Error::unsupported("the window has no pixels", "make it larger"));
         };
@@ -172,9 +189,24 @@ impl Frames {
         Ok(())
     }
 
+    /// Shows the same by other shader modules. What was shown goes on if that fails.
+    #[cfg(feature = "shader-compiler")]
+    pub(super) fn set_modules(&mut self, modules: Modules, scene: &Scene, options: &Options) -> Result<()> {
+        let others = self.cache.with_modules(modules);
+        let before = std::mem::replace(&mut self.cache, others);
+        let shown = self.show(scene, options);
+        if shown.is_err() {
+            self.cache = before;
+        }
+        shown
+    }
+
     /// Draws a frame to images that [`Self::prepare`] has made, and reads it back if that is asked for.
+    ///
+    /// What it shows goes to where the world is, if that is the one that was shown last, and things have changed in it.
     pub(super) fn draw(
         &mut self,
+        world: &World,
         view: &View<'_>,
         shot: Option<&Path>,
         mut overlay: Option<&mut Overlay>,
@@ -183,8 +215,8 @@ impl Frames {
             return Ok(Drawn::Nothing);
         };
         if !shown.suits(swapchain) {
-            let (scene, options) = (Arc::clone(&shown.scene), shown.renderer.plan().options.clone());
-            self.show(&scene, &options)?;
+            let options = shown.renderer.plan().options.clone();
+            self.show(world.scene(), &options)?;
             return Ok(Drawn::Again);
         }
         if shown.target.is_none() {
@@ -197,18 +229,23 @@ impl Frames {
             overlay.set_image(renderer)?;
         }
         let stamps_ns = &mut self.stamps_ns;
-        let mut prepared = Ok(());
+        let (mut prepared, mut left) = (Ok(()), None);
         let presented = self.presenter.frame(swapchain, |recorder, slot, image| {
-            prepared = prepare(renderer, slot, &mut recorded[slot], stamps_ns, overlay.as_deref());
-            renderer.record(recorder, slot, target, image, view);
+            prepared = follow(renderer, target, swapchain, world, recorder).and_then(|old| {
+                left = old;
+                prepare(renderer, slot, &mut recorded[slot], stamps_ns, overlay.as_deref())
+            });
+            if renderer.created(target) {
+                renderer.record(recorder, slot, target, image, view);
+            }
             if let Some((_, readback)) = &readback {
                 swapchain.read(recorder, image, readback);
             }
         })?;
-        prepared?;
-        if readback.is_some() {
+        if readback.is_some() || left.is_some() {
             self.presenter.wait()?;
         }
+        prepared?;
         match presented {
             Presented::Shown => {}
             // Some systems say so of every frame while the screen is turned.

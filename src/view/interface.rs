@@ -10,10 +10,10 @@ impl App {
     /// Shows the first scene; without the overlay if it does not go with the options.
     pub(super) fn show_first(&mut self) -> Result<()> {
         let Some(open) = &mut self.open else { return Ok(()) };
-        match open.frames.show(&self.scene, &self.viewer.options) {
+        match open.frames.show(self.world.scene(), &self.viewer.options) {
             Err(error @ Error::Unsupported { .. }) if self.viewer.options.overlay => {
                 self.viewer.options.overlay = false;
-                open.frames.show(&self.scene, &self.viewer.options)?;
+                open.frames.show(self.world.scene(), &self.viewer.options)?;
                 self.tell(&error);
                 Ok(())
             }
@@ -37,6 +37,8 @@ impl App {
                 shown,
                 options: &self.viewer.options,
                 exposure_ev: self.viewer.exposure_ev,
+                player: self.player.as_ref(),
+                course: &self.course,
                 size,
                 frame_ms: seconds * 1e3,
                 stamps_ns: frames.stamps_ns(),
@@ -45,6 +47,12 @@ impl App {
             },
         );
         self.viewer.exposure_ev = asked.exposure_ev.unwrap_or(self.viewer.exposure_ev);
+        if let (Some(player), Some(controls)) = (&mut self.player, asked.controls) {
+            player.controls = controls;
+        }
+        if let Some(wish) = asked.course {
+            self.set_course(wish);
+        }
         if let Some((name, value)) = asked.set {
             self.set_option(name, value);
         }
@@ -59,7 +67,7 @@ impl App {
         let Some(open) = &self.open else { return };
         let options = &self.viewer.options;
         let now = Show::ALL.iter().position(|show| *show == options.show).unwrap_or(0);
-        let (count, needs, limits) = (Show::ALL.len(), Needs::of(&self.scene), open.frames.limits());
+        let (count, needs, limits) = (Show::ALL.len(), Needs::of(self.world.scene()), open.frames.limits());
         let others = (1..count).map(|n| Show::ALL[(now + if backwards { count - n } else { n }) % count]);
         let mut others = others.map(|show| Options { show, ..options.clone() });
         if let Some(next) = others.find(|o| Plan::new(needs.clone(), o.clone(), &limits).is_ok()) {

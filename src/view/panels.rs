@@ -7,7 +7,9 @@ use egui::{
     vec2,
 };
 
+use super::course::{Course, CourseWish};
 use super::keys::HELP;
+use super::player::{Controls, Player};
 use super::shown::Shown;
 use crate::gpu::ExplainedKind;
 use crate::plan::{Layout, LightWay, Load, Options, Plan, Show, Store, Strategy, Tonemap, heat};
@@ -17,6 +19,9 @@ pub(super) struct Shows<'a> {
     pub(super) shown: &'a Shown,
     pub(super) options: &'a Options,
     pub(super) exposure_ev: f32,
+    /// Of a scene that moves.
+    pub(super) player: Option<&'a Player>,
+    pub(super) course: &'a Course,
     /// Of the picture, pixels.
     pub(super) size: [u32; 2],
     /// Between the last two frames.
@@ -34,6 +39,8 @@ pub(super) struct Asked {
     /// An option by its name, and its value.
     pub(super) set: Option<(&'static str, &'static str)>,
     pub(super) exposure_ev: Option<f32>,
+    pub(super) controls: Option<Controls>,
+    pub(super) course: Option<CourseWish>,
 }
 
 /// What panels remember.
@@ -86,6 +93,10 @@ impl Panels {
                     }
                     self.times(ui, shows);
                     switches(ui, shows, &mut asked);
+                    if let Some(player) = shows.player {
+                        section(ui, "Animation", true, |ui| asked.controls = player.panel(ui));
+                    }
+                    section(ui, "Camera path", false, |ui| asked.course = shows.course.panel(ui));
                     if shows.options.show == Show::Lights {
                         legend(ui);
                     }

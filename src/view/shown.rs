@@ -1,7 +1,5 @@
 //! A scene and what draws it.
 
-use std::sync::Arc;
-
 use crate::Result;
 use crate::gpu::{
     Commands, Device, Explanation, PipelineCache, Renderer, RendererConfig, Swapchain, Target,
@@ -15,7 +13,6 @@ pub(super) struct Shown {
     // In order of destruction.
     pub(super) target: Option<Target>,
     pub(super) renderer: Renderer,
-    pub(super) scene: Arc<Scene>,
     /// Whether a frame was recorded with each slot.
     pub(super) recorded: Vec<bool>,
     pub(super) explanation: Explanation,
@@ -29,7 +26,7 @@ impl Shown {
     pub(super) fn new(
         device: &Device,
         cache: &PipelineCache,
-        scene: &Arc<Scene>,
+        scene: &Scene,
         options: &Options,
         swapchain: &Swapchain,
         frames_in_flight: usize,
@@ -49,8 +46,7 @@ impl Shown {
         })?;
         renderer.finish_upload();
         let recorded = vec![false; renderer.frames_in_flight()];
-        let scene = Arc::clone(scene);
-        let mut shown = Self { target: None, renderer, scene, recorded, explanation, report, excused };
+        let mut shown = Self { target: None, renderer, recorded, explanation, report, excused };
         shown.fit(swapchain)?;
         Ok(shown)
     }
