@@ -10,7 +10,7 @@ use ontile::gpu::{
 };
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{
-    BloomWay, Layout, LightWay, Limits, Needs, Options, OutputUse, Path, Plan, Strategy, Translucency,
+    BloomWay, Layout, LightWay, Limits, Needs, Options, OutputUse, Path, Plan, State, Strategy, Translucency,
 };
 use ontile::scene::Scene;
 
@@ -144,10 +144,7 @@ fn a_difference_is_that_of_both_pictures_and_none_of_equal_ones() {
                     let expected = (apart * GAIN).min(255.0);
                     // Both pictures are decoded by the device's approximation, each off by up to half a step of bytes.
                     let off = (f32::from(*found) - expected).abs();
-                    assert!(
-                        off <= if apart == 0.0 { 0.0 } else { GAIN + 0.5 },
-                        "{i}: {found}, {expected}"
-                    );
+                    assert!(off <= if apart == 0.0 { 0.0 } else { GAIN + 0.5 }, "{i}: {found}, {expected}");
                 }
                 assert_eq!(most == 0, is_same, "{i}");
             }
@@ -168,6 +165,10 @@ fn plans_say_what_both_cost() {
             (Options { difference: Some(8.0), ..base() }, 4.0),
         ] {
             let plan = plan(options).unwrap();
+            let first = |kept: bool| if kept { State::CopySource } else { State::Undefined };
+            let output =
+                plan.passes[0].attachments.iter().find(|used| plan.attachments[used.attachment].is_output);
+            assert_eq!(output.unwrap().initial, first(plan.options.output_is_kept));
             let totals = plan.report(&scene).totals;
             assert_eq!((totals.passes, totals.loaded_bytes_per_pixel.value), (1, 0.0));
             assert_eq!(totals.stored_bytes_per_pixel.value, 4.0);

@@ -418,7 +418,9 @@ pub fn attachments(
                 color: has(OUTPUTS) || has(&[Use::Resolve]),
                 depth: has(&[Use::Depth, Use::DepthTest, Use::Stencil]),
                 input: has(INPUTS),
-                sampled: resources.clone().any(|r| r.sampled) || has(&[Use::Sample]),
+                sampled: resources.clone().any(|r| r.sampled)
+                    || has(&[Use::Sample])
+                    || (is_output && options.output_use == super::OutputUse::Sample),
                 copy_source: if is_output { options.output_use == super::OutputUse::Copy } else { kept },
                 blend: has(&[Use::Blend]),
             },

@@ -12,6 +12,7 @@ use winit::event::{ElementState, StartCause, TouchPhase, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
+use super::compare::{Compare, Divider, GAIN, How, MIDDLE};
 use super::course::Course;
 use super::frames::{Drawn, Frames};
 use super::hand::Hand;
@@ -57,6 +58,8 @@ pub(super) struct App {
     /// What the user was told last.
     pub(super) message: RefCell<String>,
     pub(super) asks_help: bool,
+    pub(super) compare: Compare,
+    pub(super) divider: Divider,
     /// Why the window closes.
     failed: Option<Error>,
 }
@@ -120,6 +123,8 @@ impl App {
             clock: Clock { last: now, told: now, frames: 0 },
             message: RefCell::default(),
             asks_help: false,
+            compare: Compare::default(),
+            divider: Divider::default(),
             failed: None,
             viewer,
         })
@@ -178,7 +183,7 @@ impl App {
     fn show_loaded(&mut self) {
         let Some((path, scene)) = self.loaded.take() else { return };
         let Some(open) = &mut self.open else { return };
-        match open.frames.show(&scene, &self.viewer.options) {
+        match open.frames.show(&scene, &self.viewer.options, &self.compare) {
             Ok(()) => {
                 self.rig = Rig::new(&scene, 0, self.rig.motion);
                 self.player = Player::new(&scene, !self.steps.is_script());
@@ -188,16 +193,18 @@ impl App {
         }
     }
 
-    /// Builds the frame by other options, or goes on with those before.
-    pub(super) fn set_options(&mut self, options: Options) {
-        let Some(open) = &mut self.open else { return };
-        match open.frames.show(self.world.scene(), &options) {
+    /// Builds the frame by other options, or goes on with those before; whether it could be built.
+    pub(super) fn set_options(&mut self, options: Options) -> bool {
+        let Some(open) = &mut self.open else { return false };
+        let shown = open.frames.show(self.world.scene(), &options, &self.compare);
+        match &shown {
             Ok(()) => {
                 self.viewer.options = options;
                 self.message.borrow_mut().clear();
             }
-            Err(error) => self.tell(&error),
+            Err(error) => self.tell(error),
         }
+        shown.is_ok()
     }
 
     /// Looks from one of the scene's cameras.
@@ -246,7 +253,7 @@ impl App {
             self.steps.frame_passed();
             return Ok(());
         }
-        if open.frames.shown().is_none() {
+        if open.frames.shown().is_none() || !open.frames.suits() {
             self.show_first()?;
         }
         self.show_loaded();
@@ -266,7 +273,7 @@ impl App {
         let view = View { camera: &self.rig.camera, exposure_ev: self.viewer.exposure_ev };
         let shot = self.steps.shot();
         open.window.pre_present_notify();
-        match open.frames.draw(&self.world, &view, shot, overlay)? {
+        match open.frames.draw(&self.world, &view, shot, overlay, &self.compare)? {
             Drawn::Frame => {
                 self.world.clear_changes();
                 self.steps.frame_drawn();
@@ -298,6 +305,8 @@ impl App {
                 self.set_options(Options { overlay, ..self.viewer.options.clone() });
             }
             Wish::Show(backwards) => self.show_next(backwards),
+            Wish::Split => self.toggle(How::Split(MIDDLE)),
+            Wish::Difference => self.toggle(How::Difference(GAIN)),
             Wish::Motion => {
                 self.rig.motion = match self.rig.motion {
                     Motion::Orbit => Motion::Fly,
@@ -386,7 +395,8 @@ impl ApplicationHandler for App {
             Some(Open { window, overlay: Some((overlay, _)), .. }) => overlay.event(window, &event),
             _ => false,
         };
-        if !is_taken || is_release(&event) {
+        let is_divider = !is_taken && self.drag_divider(&event);
+        if !(is_taken || is_divider) || is_release(&event) {
             self.hand.event(&event, self.keys.shift(), height_px, &mut self.rig);
         }
         match event {

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::Viewer;
+use super::compare::{Apart, Compare};
 use super::overlay::Overlay;
 use super::shown::Shown;
 #[cfg(feature = "shader-compiler")]
@@ -20,7 +21,8 @@ use crate::{Error, Result};
 /// A window's device and all that is made from it.
 pub(super) struct Frames {
     // In order of destruction; `close` waits for the GPU first.
-    shown: Option<Shown>,
+    /// All that is drawn for a frame, in order.
+    shown: Vec<Shown>,
     swapchain: Option<Swapchain>,
     surface: Option<Rc<Surface>>,
     presenter: Presenter,
@@ -57,17 +59,18 @@ fn prepare(
 
 /// Brings renderer and target to where the world is; what was the target, of which frames may be on the GPU, if there is another.
 fn follow(
-    renderer: &mut Renderer,
-    target: &mut Target,
+    shown: &mut Shown,
+    before: Option<&Shown>,
     swapchain: &Swapchain,
     world: &World,
     recorder: &Recorder<'_>,
 ) -> Result<Option<Target>> {
-    if world.changes().is_empty() || !renderer.update(world, recorder)?.new_targets {
+    if world.changes().is_empty() || !shown.renderer.update(world, recorder)?.new_targets {
         return Ok(None);
     }
-    let other = renderer.create_target(swapchain.size(), &swapchain.outputs())?;
-    Ok(Some(std::mem::replace(target, other)))
+    let old = shown.target.take();
+    shown.fit(swapchain, before)?;
+    Ok(old)
 }
 
 /// Arm's advice against all that is asked for by other modes.
@@ -94,7 +97,7 @@ impl Frames {
         let cache = PipelineCache::load(host.device())?;
         let presenter = Presenter::new(host.device(), viewer.frames_in_flight)?;
         Ok(Self {
-            shown: None,
+            shown: Vec::new(),
             swapchain: None,
             surface: None,
             presenter,
@@ -110,9 +113,9 @@ impl Frames {
         })
     }
 
-    /// What is shown, once something is.
+    /// What is shown, once something is; of two that are compared, the second.
     pub(super) fn shown(&self) -> Option<&Shown> {
-        self.shown.as_ref()
+        self.shown.last()
     }
 
     /// Width and height of the images, while there are some.
@@ -174,31 +177,28 @@ impl Frames {
     }
 
     /// Shows a scene by some options from now on. What was shown goes on if that fails.
-    pub(super) fn show(&mut self, scene: &Scene, options: &Options) -> Result<()> {
+    pub(super) fn show(&mut self, scene: &Scene, options: &Options, compare: &Compare) -> Result<()> {
         let Some(swapchain) = &self.swapchain else {
             return Err(Error::unsupported("the window has no pixels", "make it larger"));
         };
-        let device = self.host.device();
-        let shown = Shown::new(device, &self.cache, scene, options, swapchain, self.frames_in_flight)?;
+        let (device, frames) = (self.host.device(), self.frames_in_flight);
+        let mut shown: Vec<Shown> = Vec::new();
+        for options in compare.drawn(options)? {
+            let before = shown.last();
+            shown.push(Shown::new(device, &self.cache, scene, &options, swapchain, frames, before)?);
+        }
         self.cache.store();
-        self.excused.extend(&shown.excused);
+        self.excused.extend(shown.iter().flat_map(|shown| &shown.excused));
         self.presenter.wait()?;
-        self.shown = Some(shown);
+        self.shown = shown;
         self.shows += 1;
         self.stamps_ns.clear();
         Ok(())
     }
 
-    /// Shows the same by other shader modules. What was shown goes on if that fails.
-    #[cfg(feature = "shader-compiler")]
-    pub(super) fn set_modules(&mut self, modules: Modules, scene: &Scene, options: &Options) -> Result<()> {
-        let others = self.cache.with_modules(modules);
-        let before = std::mem::replace(&mut self.cache, others);
-        let shown = self.show(scene, options);
-        if shown.is_err() {
-            self.cache = before;
-        }
-        shown
+    /// Whether what is shown is for images like these.
+    pub(super) fn suits(&self) -> bool {
+        self.swapchain.iter().all(|swapchain| self.shown.iter().all(|shown| shown.suits(swapchain)))
     }
 
     /// Draws a frame to images that [`Self::prepare`] has made, and reads it back if that is asked for.
@@ -210,39 +210,46 @@ impl Frames {
         view: &View<'_>,
         shot: Option<&Path>,
         mut overlay: Option<&mut Overlay>,
+        compare: &Compare,
     ) -> Result<Drawn> {
-        let (Some(swapchain), Some(shown)) = (&self.swapchain, &mut self.shown) else {
-            return Ok(Drawn::Nothing);
-        };
-        if !shown.suits(swapchain) {
-            let options = shown.renderer.plan().options.clone();
-            self.show(world.scene(), &options)?;
-            return Ok(Drawn::Again);
+        let Some(swapchain) = &self.swapchain else { return Ok(Drawn::Nothing) };
+        for index in 0..self.shown.len() {
+            let (before, rest) = self.shown.split_at_mut(index);
+            if rest[0].target.is_none() {
+                rest[0].fit(swapchain, before.last())?;
+            }
         }
-        if shown.target.is_none() {
-            shown.fit(swapchain)?;
-        }
-        let Shown { renderer, recorded, target: Some(target), .. } = shown else { return Ok(Drawn::Nothing) };
         let readback = shot.map(|path| Ok::<_, Error>((path, swapchain.readback()?))).transpose()?;
         if let Some(overlay) = overlay.as_mut().filter(|overlay| overlay.has_new_image()) {
             self.presenter.wait()?;
-            overlay.set_image(renderer)?;
+            let over = self.shown.iter_mut().filter(|shown| shown.renderer.plan().options.overlay);
+            over.map(|shown| &mut shown.renderer).try_for_each(|renderer| overlay.set_image(renderer))?;
+            overlay.image_is_set();
         }
-        let stamps_ns = &mut self.stamps_ns;
-        let (mut prepared, mut left) = (Ok(()), None);
+        let (stamps_ns, shown, parts) =
+            (&mut self.stamps_ns, &mut self.shown, compare.parts(swapchain.size()));
+        let (mut prepared, mut replaced) = (Ok(()), Vec::new());
         let presented = self.presenter.frame(swapchain, |recorder, slot, image| {
-            prepared = follow(renderer, target, swapchain, world, recorder).and_then(|old| {
-                left = old;
-                prepare(renderer, slot, &mut recorded[slot], stamps_ns, overlay.as_deref())
-            });
-            if renderer.created(target) {
-                renderer.record(recorder, slot, target, image, view);
+            for (index, part) in (0..shown.len()).zip(parts) {
+                let (before, rest) = shown.split_at_mut(index);
+                let left = follow(&mut rest[0], before.last(), swapchain, world, recorder);
+                let output = rest[0].output(image);
+                let Shown { renderer, recorded, target: Some(target), .. } = &mut rest[0] else { continue };
+                let overlay = overlay.as_deref().filter(|_| renderer.plan().options.overlay);
+                let ready = left.and_then(|old| {
+                    replaced.extend(old);
+                    prepare(renderer, slot, &mut recorded[slot], stamps_ns, overlay)
+                });
+                prepared = std::mem::replace(&mut prepared, Ok(())).and(ready);
+                if renderer.created(target) {
+                    renderer.record_part(recorder, slot, target, output, view, part);
+                }
             }
             if let Some((_, readback)) = &readback {
                 swapchain.read(recorder, image, readback);
             }
         })?;
-        if readback.is_some() || left.is_some() {
+        if readback.is_some() || !replaced.is_empty() {
             self.presenter.wait()?;
         }
         prepared?;
@@ -263,6 +270,25 @@ impl Frames {
             swapchain.picture(&readback).write(path)?;
         }
         Ok(Drawn::Frame)
+    }
+
+    /// Draws the two that are compared one after the other, each whole, and says how far they are apart; nothing without an image.
+    pub(super) fn apart(&mut self, view: &View<'_>) -> Result<Option<Apart>> {
+        let (Some(swapchain), [a, b]) = (&self.swapchain, &mut self.shown[..]) else { return Ok(None) };
+        let pictures = [swapchain.readback()?, swapchain.readback()?];
+        let mut is_drawn = false;
+        self.presenter.frame(swapchain, |recorder, slot, image| {
+            for (shown, picture) in [a, b].into_iter().zip(&pictures) {
+                let Shown { renderer, recorded, target: Some(target), .. } = shown else { return };
+                recorded[slot] = true;
+                renderer.record(recorder, slot, target, image, view);
+                swapchain.read(recorder, image, picture);
+            }
+            is_drawn = true;
+        })?;
+        self.presenter.wait()?;
+        let [a, b] = pictures.each_ref().map(|picture| swapchain.picture(picture));
+        Ok(is_drawn.then(|| Apart::new(&a, &b)))
     }
 
     /// Writes what exists on the device as JSON.

@@ -10,10 +10,10 @@ impl App {
     /// Shows the first scene; without the overlay if it does not go with the options.
     pub(super) fn show_first(&mut self) -> Result<()> {
         let Some(open) = &mut self.open else { return Ok(()) };
-        match open.frames.show(self.world.scene(), &self.viewer.options) {
+        match open.frames.show(self.world.scene(), &self.viewer.options, &self.compare) {
             Err(error @ Error::Unsupported { .. }) if self.viewer.options.overlay => {
                 self.viewer.options.overlay = false;
-                open.frames.show(self.world.scene(), &self.viewer.options)?;
+                open.frames.show(self.world.scene(), &self.viewer.options, &self.compare)?;
                 self.tell(&error);
                 Ok(())
             }
@@ -36,6 +36,7 @@ impl App {
             &Shows {
                 shown,
                 options: &self.viewer.options,
+                compare: &self.compare,
                 exposure_ev: self.viewer.exposure_ev,
                 player: self.player.as_ref(),
                 course: &self.course,
@@ -54,7 +55,15 @@ impl App {
             self.set_course(wish);
         }
         if let Some((name, value)) = asked.set {
-            self.set_option(name, value);
+            self.set_option(&name, value);
+        }
+        if let Some(how) = asked.how {
+            self.set_how(how);
+        }
+        if asked.measures
+            && let Err(error) = self.measure(None)
+        {
+            self.tell(&error);
         }
         let Some(Open { frames, overlay: Some((overlay, shows)), .. }) = &mut self.open else { return };
         if std::mem::replace(shows, frames.shows()) != frames.shows() {
@@ -77,9 +86,14 @@ impl App {
 
     /// Sets an option by its name, or goes on with those before.
     pub(super) fn set_option(&mut self, name: &str, value: &str) {
+        if let Some(name) = name.strip_prefix("b.") {
+            return self.set_beside(name, value);
+        }
         let mut options = self.viewer.options.clone();
         match options.set(name, value) {
-            Ok(()) => self.set_options(options),
+            Ok(()) => {
+                self.set_options(options);
+            }
             Err(error) => self.tell(&error),
         }
     }

@@ -34,6 +34,10 @@ pub(super) enum Wish {
     Course(CourseWish),
     /// What else there is to show; whether backwards.
     Show(bool),
+    /// A beside B, or A alone.
+    Split,
+    /// How far they are apart, likewise.
+    Difference,
 }
 
 /// The keys, for people.
@@ -44,6 +48,7 @@ wheel, pinch          nearer and further
 F                     orbit / fly
 F2                    the overlay: times, plan, bytes, options
 G, Shift-G            what is shown: the picture, the G-buffer's channels, lights, edges
+B, V                  two ways to draw it: side by side (drag the divider), or their difference
 W A S D, Q E          fly; with Shift ten times as fast
 1 to 9, C             the scene's cameras, the next camera
 - =                   exposure by half a stop
@@ -88,6 +93,8 @@ impl Keys {
             KeyCode::KeyF => Some(Wish::Motion),
             KeyCode::F2 => Some(Wish::Overlay),
             KeyCode::KeyG => Some(Wish::Show(self.shift())),
+            KeyCode::KeyB => Some(Wish::Split),
+            KeyCode::KeyV => Some(Wish::Difference),
             KeyCode::Digit1 => camera(0),
             KeyCode::Digit2 => camera(1),
             KeyCode::Digit3 => camera(2),

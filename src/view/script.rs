@@ -15,6 +15,10 @@ use crate::{Error, Result};
 /// | `size WxH` | makes the window so many pixels large; `0x0` is as if it were minimised |
 /// | `open FILE` | opens a scene, and goes on when that is done or has failed |
 /// | `set OPTION VALUE` | sets one of the [`Options`](crate::plan::Options) by its name, as [`Options::set`](crate::plan::Options::set) |
+/// | `set b.OPTION VALUE` | likewise of B, which has A's options but for those that are set so |
+/// | `split SHARE\|off` | shows A left of this share of the width and B right of it; off: A alone |
+/// | `difference GAIN\|off` | shows how far A and B are apart, amplified |
+/// | `measure FILE` | writes how far they are apart as JSON: the most of 255, and the PSNR |
 /// | `camera N\|NAME` | looks from one of the scene's cameras |
 /// | `time SECONDS` | shows the scene's animation at this time; it stands until `play` |
 /// | `animation N\|NAME\|all` | takes this one of the scene's animations, or all at once |
@@ -55,6 +59,9 @@ pub(super) enum Step {
     Screenshot(PathBuf),
     Live(PathBuf),
     Overlay(bool),
+    Split(Option<f32>),
+    Difference(Option<f32>),
+    Measure(PathBuf),
     Suspend,
     Resume,
     Stay,
@@ -131,6 +138,14 @@ fn step(line: &str) -> Result<Step, String> {
         }
         "screenshot" => file().map(Step::Screenshot),
         "live" => file().map(Step::Live),
+        "split" | "difference" => {
+            let (is_split, off) = (command == "split", rest == "off");
+            let value = number(rest).filter(|n| if is_split { (0.0..=1.0).contains(n) } else { *n > 0.0 });
+            let what = if is_split { "a share of the width, 0 to 1, or off" } else { "a factor, or off" };
+            let value = if off { None } else { Some(value.ok_or_else(|| needs(what))?) };
+            Ok(if is_split { Step::Split(value) } else { Step::Difference(value) })
+        }
+        "measure" => file().map(Step::Measure),
         "overlay" if rest == "on" => Ok(Step::Overlay(true)),
         "overlay" if rest == "off" => Ok(Step::Overlay(false)),
         "overlay" => Err(needs("on or off")),
@@ -156,7 +171,7 @@ mod tests {
     #[test]
     fn lines_are_commands() {
         let text = "size 640x360 # at first\n\n  frames 3\nset layout packed128\nopen a b.glb\ncamera 1\ntime 0.5\nanimation all\nplay\nspeed -2\npause\nrecord a.flight\nstop\nfly a.flight\nreload\nexposure -1.5\n\
-                    drag 10 -4\nscreenshot o.png\nlive l.json\noverlay on\nsuspend\nresume\nstay\n";
+                    drag 10 -4\nscreenshot o.png\nlive l.json\noverlay on\nsplit 0.25\ndifference 8\nsplit off\nmeasure m.json\nsuspend\nresume\nstay\n";
         let expected = [
             Step::Size([640, 360]),
             Step::Frames(3),
@@ -177,6 +192,10 @@ mod tests {
             Step::Screenshot("o.png".into()),
             Step::Live("l.json".into()),
             Step::Overlay(true),
+            Step::Split(Some(0.25)),
+            Step::Difference(Some(8.0)),
+            Step::Split(None),
+            Step::Measure("m.json".into()),
             Step::Suspend,
             Step::Resume,
             Step::Stay,
@@ -197,6 +216,8 @@ mod tests {
             ("exposure nan", "number of stops"),
             ("drag 1", "two numbers"),
             ("overlay", "on or off"),
+            ("split 2", "share of the width"),
+            ("difference 0", "a factor"),
             ("stay here", "stands alone"),
             ("jump", "no command 'jump'"),
         ] {

@@ -2,8 +2,8 @@
 
 use crate::Result;
 use crate::gpu::{
-    Commands, Device, Explanation, PipelineCache, Renderer, RendererConfig, Swapchain, Target,
-    expected_advice,
+    Commands, Device, Explanation, Image, ImageDesc, OutputImage, PipelineCache, Renderer, RendererConfig,
+    Swapchain, Target, expected_advice,
 };
 use crate::plan::{Needs, Options, OutputUse, Plan, Report};
 use crate::scene::Scene;
@@ -12,6 +12,8 @@ use crate::scene::Scene;
 pub(super) struct Shown {
     // In order of destruction.
     pub(super) target: Option<Target>,
+    /// What it draws to in the window's place, if another picture is compared with it.
+    own: Option<Image>,
     pub(super) renderer: Renderer,
     /// Whether a frame was recorded with each slot.
     pub(super) recorded: Vec<bool>,
@@ -30,6 +32,7 @@ impl Shown {
         options: &Options,
         swapchain: &Swapchain,
         frames_in_flight: usize,
+        before: Option<&Self>,
     ) -> Result<Self> {
         let options = of_window(options, swapchain);
         let plan = Plan::new(Needs::of(scene), options, &device.limits())?;
@@ -46,8 +49,8 @@ impl Shown {
         })?;
         renderer.finish_upload();
         let recorded = vec![false; renderer.frames_in_flight()];
-        let mut shown = Self { target: None, renderer, recorded, explanation, report, excused };
-        shown.fit(swapchain)?;
+        let mut shown = Self { target: None, own: None, renderer, recorded, explanation, report, excused };
+        shown.fit(swapchain, before)?;
         Ok(shown)
     }
 
@@ -58,11 +61,35 @@ impl Shown {
             == (swapchain.format(), swapchain.is_input_attachment())
     }
 
-    /// Makes the target of these images; no frame to the former one is on the GPU.
-    pub(super) fn fit(&mut self, swapchain: &Swapchain) -> Result<()> {
+    /// Makes the target of these images; no frame to the former one is on the GPU. `before` draws what this is compared with.
+    pub(super) fn fit(&mut self, swapchain: &Swapchain, before: Option<&Self>) -> Result<()> {
         self.target = None;
-        self.target = Some(self.renderer.create_target(swapchain.size(), &swapchain.outputs())?);
+        let renderer = &self.renderer;
+        let size = swapchain.size();
+        let other = before.and_then(|before| before.own.as_ref());
+        self.target = Some(match (renderer.plan().options.output_use, other) {
+            (OutputUse::Present, None) => renderer.create_target(size, &swapchain.outputs())?,
+            (OutputUse::Present, Some(other)) => {
+                renderer.create_target_beside(size, &swapchain.outputs(), other.view())?
+            }
+            _ => {
+                let own = match self.own.take().filter(|own| own.size() == size) {
+                    Some(own) => own,
+                    None => {
+                        let (format, usage) = (renderer.output_format(), renderer.output_usage());
+                        Image::new(renderer.device(), &ImageDesc::new("compared", format, size, usage))?
+                    }
+                };
+                let own = self.own.insert(own);
+                renderer.create_target(size, &[OutputImage { image: own.raw(), view: own.view() }])?
+            }
+        });
         Ok(())
+    }
+
+    /// The image among the target's that the window's n-th is drawn to, or from.
+    pub(super) fn output(&self, image: usize) -> usize {
+        if self.own.is_some() { 0 } else { image }
     }
 }
 
@@ -71,7 +98,10 @@ fn of_window(options: &Options, swapchain: &Swapchain) -> Options {
     Options {
         size: swapchain.size(),
         output: swapchain.format(),
-        output_use: OutputUse::Present,
+        output_use: match options.output_use {
+            OutputUse::Sample => OutputUse::Sample,
+            _ => OutputUse::Present,
+        },
         output_is_input_attachment: swapchain.is_input_attachment(),
         ..options.clone()
     }

@@ -9,6 +9,7 @@ use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
 
 use super::app::App;
+use super::compare::How;
 use super::hand;
 #[cfg(feature = "shader-compiler")]
 use super::reload::Reload;
@@ -192,6 +193,9 @@ impl App {
             Step::Overlay(is_on) => {
                 self.set_options(Options { overlay: is_on, ..self.viewer.options.clone() });
             }
+            Step::Split(share) => self.set_how(share.map_or(How::Alone, How::Split)),
+            Step::Difference(gain) => self.set_how(gain.map_or(How::Alone, How::Difference)),
+            Step::Measure(path) => self.measure(Some(&path))?,
             Step::Suspend => self.suspend(events),
             Step::Resume => self.resume(events),
             Step::Stay => self.steps.closes = false,
