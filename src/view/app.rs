@@ -156,8 +156,12 @@ impl App {
 
     /// Whether a scene is on its way, and will be shown as things are.
     pub(super) fn is_loading(&self) -> bool {
-        let waits = self.is_minimised || self.is_suspended;
-        self.loading.is_some() || self.loaded.is_some() && !waits
+        self.loading.is_some() || self.loaded.is_some() && self.is_drawn()
+    }
+
+    /// Whether the window has pixels, as far as a script has it.
+    pub(super) fn is_drawn(&self) -> bool {
+        !self.is_minimised && !self.is_suspended
     }
 
     /// Takes a scene that was loaded.
