@@ -132,7 +132,8 @@ fn nothing_of_an_overlay_is_scattered_from_light_that_is_stored() {
         let scene = scenes::every_feature();
         for strategy in [Strategy::Subpasses, Strategy::Separate] {
             for fold in [true, false] {
-                let options = Options { bloom: BloomWay::Store, bloom_strength: 0.5, strategy, fold, ..small() };
+                let options =
+                    Options { bloom: BloomWay::Store, bloom_strength: 0.5, strategy, fold, ..small() };
                 let over = pixels(&drawn(gpu, &scene, options.clone()));
                 let plan = gpu.plan(&scene, Options { overlay: false, ..options });
                 let mut plain = gpu.offscreen(&scene, plan, RendererConfig::default());

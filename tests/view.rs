@@ -273,7 +273,9 @@ fn changed_glsl_is_compiled_while_the_window_goes_on() {
     let args = [lamps.as_str(), "--size", "160x90", "--glsl", "glsl"];
     let script = "reload\nframes 3\nscreenshot window.png\nlive live.json";
     let mut live = Vec::new();
-    for (statement, is_other, problem) in [("", false, None), ("color *= 0.5;\n", true, None), ("colour *= 0.5;\n", false, Some("colour"))] {
+    for (statement, is_other, problem) in
+        [("", false, None), ("color *= 0.5;\n", true, None), ("colour *= 0.5;\n", false, Some("colour"))]
+    {
         std::fs::write(&curve, text.replace(begin, &format!("{begin}{statement}"))).unwrap();
         let told = view(folder.path(), &screen.display, script, &args);
         match problem {
