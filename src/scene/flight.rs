@@ -23,7 +23,8 @@ pub struct FlightKey {
 
 /// A camera's path: at each key it is where the key says, and between them it moves smoothly.
 ///
-/// Positions are cubic Hermite splines whose velocity at a key is that of the parabola through it and its neighbours (the Catmull-Rom
+/// Positions are cubic Hermite splines whose velocity at a key is none where a neighbour is at the same place, else that of the parabola
+/// through it and its neighbours (the Catmull-Rom
 /// spline for keys at any times: Barry and Goldman, "A recursive evaluation algorithm for a class of Catmull-Rom splines", SIGGRAPH
 /// 1988). Rotations are the same on unit quaternions: cumulative Bezier curves of the angular velocities (Kim, Kim and Shin, "A general
 /// construction scheme for unit quaternion curves", SIGGRAPH 1995, section 4.1), the shorter way from key to key. The field of view changes
@@ -157,14 +158,15 @@ impl Flight {
 
     /// As [`Self::place`]; `None` without keys.
     pub fn at(&self, seconds: f64) -> Option<FlightKey> {
-        let time_s = self.keys.first()?.time_s + seconds;
-        let after = self.keys.partition_point(|key| key.time_s <= time_s);
-        if after == 0 || after == self.keys.len() || self.keys[after - 1].time_s == time_s {
+        let begin_s = self.keys.first()?.time_s;
+        let after = self.keys.partition_point(|key| key.time_s - begin_s <= seconds);
+        if after == 0 || after == self.keys.len() || self.keys[after - 1].time_s - begin_s == seconds {
             return Some(self.keys[after.saturating_sub(1)]);
         }
         let (a, b) = (after - 1, after);
         let (first, last) = (&self.keys[a], &self.keys[b]);
         let step_s = last.time_s - first.time_s;
+        let time_s = begin_s + seconds;
         let t = (time_s - first.time_s) / step_s;
         let [from, to] = [a, b].map(|key| self.velocity(key));
         let (p, q) = (first.eye_m.as_dvec3(), last.eye_m.as_dvec3());
@@ -195,6 +197,10 @@ impl Flight {
             let turned = turn(unit(a).inverse() * unit(b));
             (Velocity { eye, turn: turned / step_s }, step_s)
         };
+        let stands = |other: usize| self.keys.get(other).is_some_and(|other| other.is_at(&self.keys[key]));
+        if key.checked_sub(1).is_some_and(stands) || stands(key + 1) {
+            return Velocity { eye: DVec3::ZERO, turn: DVec3::ZERO };
+        }
         match (key.checked_sub(1), key + 1 < self.keys.len()) {
             (Some(before), true) => {
                 let ((came, came_s), (goes, goes_s)) = (step(before, key), step(key, key + 1));

@@ -161,8 +161,12 @@ impl App {
 
     /// Whether a scene is on its way, and will be shown as things are.
     pub(super) fn is_loading(&self) -> bool {
-        let waits = self.is_minimised || self.is_suspended;
-        self.loading.is_some() || self.loaded.is_some() && !waits
+        self.loading.is_some() || self.loaded.is_some() && self.is_drawn()
+    }
+
+    /// Whether the window has pixels, as far as a script has it.
+    pub(super) fn is_drawn(&self) -> bool {
+        !self.is_minimised && !self.is_suspended
     }
 
     /// Takes a scene that was loaded.
@@ -191,20 +195,6 @@ impl App {
             }
             Err(error) => self.tell(&error),
         }
-    }
-
-    /// Builds the frame by other options, or goes on with those before; whether it could be built.
-    pub(super) fn set_options(&mut self, options: Options) -> bool {
-        let Some(open) = &mut self.open else { return false };
-        let shown = open.frames.show(self.world.scene(), &options, &self.compare);
-        match &shown {
-            Ok(()) => {
-                self.viewer.options = options;
-                self.message.borrow_mut().clear();
-            }
-            Err(error) => self.tell(error),
-        }
-        shown.is_ok()
     }
 
     /// Looks from one of the scene's cameras.

@@ -84,6 +84,20 @@ impl App {
         }
     }
 
+    /// Builds the frame by other options, or goes on with those before; whether it could be built.
+    pub(super) fn set_options(&mut self, options: Options) -> bool {
+        let Some(open) = &mut self.open else { return false };
+        let shown = open.frames.show(self.world.scene(), &options, &self.compare);
+        match &shown {
+            Ok(()) => {
+                self.viewer.options = options;
+                self.message.borrow_mut().clear();
+            }
+            Err(error) => self.tell(error),
+        }
+        shown.is_ok()
+    }
+
     /// Sets an option by its name, or goes on with those before.
     pub(super) fn set_option(&mut self, name: &str, value: &str) {
         if let Some(name) = name.strip_prefix("b.") {

@@ -98,8 +98,9 @@ impl App {
                 Some(Wait::Frames(0)) | None => {}
                 Some(Wait::Loading) if !self.is_loading() => {}
                 #[cfg(feature = "shader-compiler")]
-                Some(Wait::Modules) if !self.reload.as_ref().is_some_and(Reload::is_busy) => {}
-                Some(Wait::Flight) if !self.course.is_flown() => {}
+                Some(Wait::Modules)
+                    if !self.is_drawn() || !self.reload.as_ref().is_some_and(Reload::is_busy) => {}
+                Some(Wait::Flight) if !self.is_drawn() || !self.course.is_flown() => {}
                 Some(Wait::Size(size, since)) => {
                     if self.open.as_ref().and_then(|open| open.frames.size()) != Some(*size) {
                         if since.elapsed() > MOST_WAIT {
