@@ -196,6 +196,24 @@ impl Frames {
         Ok(())
     }
 
+    /// Shows the same by other shader modules. What was shown goes on if that fails.
+    #[cfg(feature = "shader-compiler")]
+    pub(super) fn set_modules(
+        &mut self,
+        modules: Modules,
+        scene: &Scene,
+        options: &Options,
+        compare: &Compare,
+    ) -> Result<()> {
+        let others = self.cache.with_modules(modules);
+        let before = std::mem::replace(&mut self.cache, others);
+        let shown = self.show(scene, options, compare);
+        if shown.is_err() {
+            self.cache = before;
+        }
+        shown
+    }
+
     /// Whether what is shown is for images like these.
     pub(super) fn suits(&self) -> bool {
         self.swapchain.iter().all(|swapchain| self.shown.iter().all(|shown| shown.suits(swapchain)))

@@ -187,7 +187,8 @@ mod with_compiler {
                 Ok(modules) => modules,
                 Err(problem) => return self.tell_text(&problem),
             };
-            match open.frames.set_modules(modules, self.world.scene(), &self.viewer.options) {
+            let (scene, options) = (self.world.scene(), &self.viewer.options);
+            match open.frames.set_modules(modules, scene, options, &self.compare) {
                 Ok(()) => self.message.borrow_mut().clear(),
                 Err(error) => self.tell(&error),
             }
