@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
+use glam::{Mat2, Vec2};
 
 use super::descriptor::{Content, DescriptorSets};
 use super::pipeline::FamilyLayout;
@@ -11,6 +12,7 @@ use super::shader::shared;
 use super::shared::OverlayPush;
 use super::{Buffer, BufferDesc, Commands, Device, Image, ImageDesc, MemoryUse, Owned, Recorder, Upload};
 use crate::plan::FrameCounts;
+use crate::scene::PreRotation;
 use crate::{Error, Result};
 
 /// A corner of a triangle.
@@ -172,13 +174,19 @@ impl Overlay {
         slot: usize,
         layout: vk::PipelineLayout,
         extent: vk::Extent2D,
+        pre_rotation: PreRotation,
         area: vk::Rect2D,
     ) -> FrameCounts {
         let slot = &self.slots[slot];
         let (device, raw) = (recorder.device().raw(), recorder.raw());
-        let clip_from_point =
-            [extent.width, extent.height].map(|pixels| 2.0 * slot.pixels_per_point / pixels as f32);
-        let push = OverlayPush { clip_from_point };
+        let size = pre_rotation.size([extent.width, extent.height]);
+        let turn = pre_rotation.image_from_picture();
+        let scale = size.map(|pixels| 2.0 * slot.pixels_per_point / pixels as f32);
+        let clip_from_point = turn * Mat2::from_diagonal(scale.into());
+        let push = OverlayPush {
+            clip_from_point: clip_from_point.to_cols_array_2d(),
+            origin_clip: (-(turn * Vec2::ONE)).to_array(),
+        };
         let stages = vk::ShaderStageFlags::VERTEX;
         let mut counts = FrameCounts::default();
         // SAFETY: the pipeline is bound; the layout has these bytes for this stage; the buffers are of this slot, which the
@@ -189,7 +197,8 @@ impl Overlay {
             device.cmd_bind_index_buffer(raw, slot.indices.raw(), 0, vk::IndexType::UINT32);
         }
         for part in &slot.parts {
-            let Some(scissor) = scissor(part.clip_px, area).filter(|_| !part.indices.is_empty()) else {
+            let within = scissor(part.clip_px, size, pre_rotation).and_then(|rect| common(rect, area));
+            let Some(scissor) = within.filter(|_| !part.indices.is_empty()) else {
                 continue;
             };
             let count = part.indices.end - part.indices.start;
@@ -242,13 +251,37 @@ fn image(device: &Device, size: [u32; 2]) -> Result<Image> {
     Image::new(device, &ImageDesc::new("overlay", vk::Format::R8G8B8A8_UNORM, size, usage))
 }
 
-/// What of a rectangle lies in the area; `None` if nothing does.
-pub(super) fn scissor([left, top, right, bottom]: [u32; 4], area: vk::Rect2D) -> Option<vk::Rect2D> {
-    let [x, y] = [area.offset.x, area.offset.y].map(|offset| offset.max(0) as u32);
-    let (left, right) = (left.max(x), right.min(x + area.extent.width));
-    let (top, bottom) = (top.max(y), bottom.min(y + area.extent.height));
-    (left < right && top < bottom).then(|| vk::Rect2D {
-        offset: vk::Offset2D { x: left as i32, y: top as i32 },
-        extent: vk::Extent2D { width: right - left, height: bottom - top },
+/// Where in the image that part of a rectangle is that lies in the picture, of this size; `None` if none does.
+pub(super) fn scissor(
+    [left, top, right, bottom]: [u32; 4],
+    [width, height]: [u32; 2],
+    pre_rotation: PreRotation,
+) -> Option<vk::Rect2D> {
+    let (right, bottom) = (right.min(width), bottom.min(height));
+    let is_empty = left >= right || top >= bottom;
+    let (x, y) = match pre_rotation {
+        _ if is_empty => return None,
+        PreRotation::Identity => (left, top),
+        PreRotation::Rotate90 => (height - bottom, left),
+        PreRotation::Rotate180 => (width - right, height - bottom),
+        PreRotation::Rotate270 => (top, width - right),
+    };
+    let [width, height] = pre_rotation.size([right - left, bottom - top]);
+    Some(vk::Rect2D {
+        offset: vk::Offset2D { x: x as i32, y: y as i32 },
+        extent: vk::Extent2D { width, height },
+    })
+}
+
+/// What two rectangles have in common; `None` if nothing.
+fn common(a: vk::Rect2D, b: vk::Rect2D) -> Option<vk::Rect2D> {
+    let end = |rect: vk::Rect2D| {
+        [rect.offset.x + rect.extent.width as i32, rect.offset.y + rect.extent.height as i32]
+    };
+    let (x, y) = (a.offset.x.max(b.offset.x), a.offset.y.max(b.offset.y));
+    let [right, bottom] = [0, 1].map(|axis| end(a)[axis].min(end(b)[axis]));
+    (x < right && y < bottom).then(|| vk::Rect2D {
+        offset: vk::Offset2D { x, y },
+        extent: vk::Extent2D { width: (right - x) as u32, height: (bottom - y) as u32 },
     })
 }

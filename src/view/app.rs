@@ -53,7 +53,7 @@ pub(super) struct App {
     loading: Option<Receiver<(PathBuf, Result<Scene>)>>,
     /// What was loaded and not shown yet.
     loaded: Option<(PathBuf, Scene)>,
-    is_occluded: bool,
+    pub(super) is_occluded: bool,
     clock: Clock,
     /// What the user was told last.
     pub(super) message: RefCell<String>,
@@ -337,7 +337,7 @@ impl App {
         }
     }
 
-    fn fail(&mut self, error: Error, events: &ActiveEventLoop) {
+    pub(super) fn fail(&mut self, error: Error, events: &ActiveEventLoop) {
         self.failed.get_or_insert(error);
         events.exit();
     }
@@ -377,6 +377,10 @@ impl ApplicationHandler for App {
 
     fn suspended(&mut self, events: &ActiveEventLoop) {
         self.suspend(events);
+    }
+
+    fn memory_warning(&mut self, events: &ActiveEventLoop) {
+        self.give_back(events);
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {

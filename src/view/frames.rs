@@ -15,7 +15,7 @@ use crate::gpu::{
     Swapchain, Target, View, WindowHandles, WindowHost,
 };
 use crate::plan::{Limits, Options};
-use crate::scene::{Scene, World};
+use crate::scene::{PreRotation, Scene, World};
 use crate::{Error, Result};
 
 /// A window's device and all that is made from it.
@@ -31,6 +31,8 @@ pub(super) struct Frames {
     window: Arc<dyn WindowHandles>,
     mode: PresentMode,
     frames_in_flight: usize,
+    /// How the screen is said to be turned, where it is not.
+    pretended: PreRotation,
     /// The window has changed since the swapchain was made.
     is_outdated: bool,
     /// Nanoseconds since the begin of the last frame that the GPU has told of: see [`QueryResults`](crate::gpu::QueryResults).
@@ -61,7 +63,7 @@ fn prepare(
 fn follow(
     shown: &mut Shown,
     before: Option<&Shown>,
-    swapchain: &Swapchain,
+    images: (&Swapchain, PreRotation),
     world: &World,
     recorder: &Recorder<'_>,
 ) -> Result<Option<Target>> {
@@ -69,8 +71,16 @@ fn follow(
         return Ok(None);
     }
     let old = shown.target.take();
-    shown.fit(swapchain, before)?;
+    shown.fit(images, before)?;
     Ok(old)
+}
+
+/// How pictures are turned, on a screen that is or that is said to be.
+fn turned(swapchain: &Swapchain, pretended: PreRotation) -> PreRotation {
+    match swapchain.pre_rotation() {
+        PreRotation::Identity => pretended,
+        turned => turned,
+    }
 }
 
 /// Arm's advice against all that is asked for by other modes.
@@ -106,6 +116,7 @@ impl Frames {
             window,
             mode: viewer.present,
             frames_in_flight: viewer.frames_in_flight.max(1),
+            pretended: PreRotation::Identity,
             is_outdated: false,
             stamps_ns: Vec::new(),
             shows: 0,
@@ -118,9 +129,15 @@ impl Frames {
         self.shown.last()
     }
 
-    /// Width and height of the images, while there are some.
+    /// Width and height of what the images show, while there are some.
     pub(super) fn size(&self) -> Option<[u32; 2]> {
-        self.swapchain.as_ref().map(Swapchain::size)
+        self.swapchain.as_ref().map(|swapchain| swapchain.pre_rotation().size(swapchain.size()))
+    }
+
+    /// Draws as if the screen was turned.
+    pub(super) fn pretend(&mut self, pre_rotation: PreRotation) {
+        self.pretended = pre_rotation;
+        self.outdate();
     }
 
     /// Times of a frame that the GPU has finished.
@@ -149,6 +166,13 @@ impl Frames {
         self.shown.iter_mut().for_each(|shown| shown.target = None);
         self.swapchain = None;
         self.surface = None;
+        Ok(())
+    }
+
+    /// Gives up what draws the scene, which [`Self::show`] makes anew.
+    pub(super) fn release(&mut self) -> Result<()> {
+        self.presenter.wait()?;
+        self.shown.clear();
         Ok(())
     }
 
@@ -182,10 +206,11 @@ impl Frames {
             return Err(Error::unsupported("the window has no pixels", "make it larger"));
         };
         let (device, frames) = (self.host.device(), self.frames_in_flight);
+        let images = (swapchain, turned(swapchain, self.pretended));
         let mut shown: Vec<Shown> = Vec::new();
         for options in compare.drawn(options)? {
             let before = shown.last();
-            shown.push(Shown::new(device, &self.cache, scene, &options, swapchain, frames, before)?);
+            shown.push(Shown::new(device, &self.cache, scene, &options, images, frames, before)?);
         }
         self.cache.store();
         self.excused.extend(shown.iter().flat_map(|shown| &shown.excused));
@@ -231,10 +256,11 @@ impl Frames {
         compare: &Compare,
     ) -> Result<Drawn> {
         let Some(swapchain) = &self.swapchain else { return Ok(Drawn::Nothing) };
+        let images = (swapchain, turned(swapchain, self.pretended));
         for index in 0..self.shown.len() {
             let (before, rest) = self.shown.split_at_mut(index);
             if rest[0].target.is_none() {
-                rest[0].fit(swapchain, before.last())?;
+                rest[0].fit(images, before.last())?;
             }
         }
         let readback = shot.map(|path| Ok::<_, Error>((path, swapchain.readback()?))).transpose()?;
@@ -245,12 +271,12 @@ impl Frames {
             overlay.image_is_set();
         }
         let (stamps_ns, shown, parts) =
-            (&mut self.stamps_ns, &mut self.shown, compare.parts(swapchain.size()));
+            (&mut self.stamps_ns, &mut self.shown, compare.parts(images.1.size(swapchain.size())));
         let (mut prepared, mut replaced) = (Ok(()), Vec::new());
         let presented = self.presenter.frame(swapchain, |recorder, slot, image| {
             for (index, part) in (0..shown.len()).zip(parts) {
                 let (before, rest) = shown.split_at_mut(index);
-                let left = follow(&mut rest[0], before.last(), swapchain, world, recorder);
+                let left = follow(&mut rest[0], before.last(), images, world, recorder);
                 let output = rest[0].output(image);
                 let Shown { renderer, recorded, target: Some(target), .. } = &mut rest[0] else { continue };
                 let overlay = overlay.as_deref().filter(|_| renderer.plan().options.overlay);
@@ -285,7 +311,7 @@ impl Frames {
             }
         }
         if let Some((path, readback)) = readback {
-            swapchain.picture(&readback).write(path)?;
+            swapchain.picture(&readback).upright(images.1).write(path)?;
         }
         Ok(Drawn::Frame)
     }

@@ -6,7 +6,7 @@ use crate::gpu::{
     Swapchain, Target, expected_advice,
 };
 use crate::plan::{Needs, Options, OutputUse, Plan, Report};
-use crate::scene::Scene;
+use crate::scene::{PreRotation, Scene};
 
 /// A scene, its renderer and, where there is a window to draw to, the target of its images. Dropped when no frame is on the GPU.
 pub(super) struct Shown {
@@ -30,7 +30,7 @@ impl Shown {
         cache: &PipelineCache,
         scene: &Scene,
         options: &Options,
-        swapchain: &Swapchain,
+        (swapchain, pre_rotation): (&Swapchain, PreRotation),
         frames_in_flight: usize,
         before: Option<&Self>,
     ) -> Result<Self> {
@@ -50,7 +50,7 @@ impl Shown {
         renderer.finish_upload();
         let recorded = vec![false; renderer.frames_in_flight()];
         let mut shown = Self { target: None, own: None, renderer, recorded, explanation, report, excused };
-        shown.fit(swapchain, before)?;
+        shown.fit((swapchain, pre_rotation), before)?;
         Ok(shown)
     }
 
@@ -62,12 +62,16 @@ impl Shown {
     }
 
     /// Makes the target of these images; no frame to the former one is on the GPU. `before` draws what this is compared with.
-    pub(super) fn fit(&mut self, swapchain: &Swapchain, before: Option<&Self>) -> Result<()> {
+    pub(super) fn fit(
+        &mut self,
+        (swapchain, pre_rotation): (&Swapchain, PreRotation),
+        before: Option<&Self>,
+    ) -> Result<()> {
         self.target = None;
         let renderer = &self.renderer;
         let size = swapchain.size();
         let other = before.and_then(|before| before.own.as_ref());
-        self.target = Some(match (renderer.plan().options.output_use, other) {
+        let mut target = match (renderer.plan().options.output_use, other) {
             (OutputUse::Present, None) => renderer.create_target(size, &swapchain.outputs())?,
             (OutputUse::Present, Some(other)) => {
                 renderer.create_target_beside(size, &swapchain.outputs(), other.view())?
@@ -83,7 +87,9 @@ impl Shown {
                 let own = self.own.insert(own);
                 renderer.create_target(size, &[OutputImage { image: own.raw(), view: own.view() }])?
             }
-        });
+        };
+        target.pre_rotate(pre_rotation);
+        self.target = Some(target);
         Ok(())
     }
 

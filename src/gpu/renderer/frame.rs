@@ -28,10 +28,11 @@ impl Renderer {
         view: &View<'_>,
     ) {
         let vk::Extent2D { width, height } = target.extent();
+        let [width, height] = target.pre_rotation().size([width, height]);
         self.record_part(recorder, slot, target, output, view, [0, 0, width, height]);
     }
 
-    /// As [`Self::record`], of a part of the picture: left, top, right and bottom, pixels. Tiles beyond it are neither drawn nor stored.
+    /// As [`Self::record`], of a part of the picture, upright: left, top, right and bottom, pixels. Tiles beyond it are neither drawn nor stored.
     ///
     /// What is elsewhere in the output image is lost, unless the plan [keeps it](crate::plan::Options::output_is_kept); then the image
     /// is in [`Self::output_layout`] before. So two renderers share an image: one draws its part of it, then one that keeps what is
@@ -52,14 +53,18 @@ impl Renderer {
             self.created(target),
             "the target was created by another renderer, or before an update that asked for new targets"
         );
-        let whole = vk::Rect2D { offset: vk::Offset2D::default(), extent: target.extent() };
-        let area = scissor(part_px, whole).expect("a part of the picture has pixels");
+        let vk::Extent2D { width, height } = target.extent();
+        let picture = target.pre_rotation().size([width, height]);
+        let area = scissor(part_px, picture, target.pre_rotation());
+        let area = area.expect("a part of the picture has pixels");
         self.retired.recording(slot);
-        let vk::Extent2D { width, height } = whole.extent;
+        let turned = target.pre_rotated_camera(view.camera);
+        let view = &View { camera: turned.as_ref().unwrap_or(view.camera), ..*view };
         let exposure = view.exposure();
         let scattered = target.post().map_or([0.0; 2], |post| post.scattered(&self.plan, exposure));
         let (size, cull) = ([width, height], self.config.cull);
-        let seen = self.scene.write_frame(slot, view, &self.plan, size, cull, scattered);
+        let seen =
+            self.scene.write_frame(slot, view, &self.plan, (size, target.pre_rotation()), cull, scattered);
         let _label = recorder.label("ontile frame");
         self.queries.reset(recorder, slot as u32);
         self.queries.begin_statistics(recorder, slot as u32);
