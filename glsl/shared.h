@@ -40,6 +40,8 @@
 // Beside input attachments: what is opaque, for media that bend its way.
 #define BINDING_BEHIND_LIGHT 28
 #define BINDING_BEHIND_DEPTH 29
+// Beside input attachments: the picture that this one is compared with.
+#define BINDING_OTHER 30
 
 // Input attachments, by the name of what they hold. A pipeline has those that its subpass reads: when it is made, their indices
 // and bindings in SET_INPUTS become their places in the subpass.
@@ -57,6 +59,7 @@
 #define INPUT_LIGHT 11
 #define INPUT_REFRACTED_LIGHT 11
 #define INPUT_SPECULAR_LIGHT 12
+#define INPUT_PICTURE 13
 #define INPUT_EDGE 20
 #define INPUT_OCCLUSION 21
 #define INPUT_LAYER_0 24
@@ -104,6 +107,7 @@
 #define TARGET_REFRACTED_LIGHT 11
 #define TARGET_SPECULAR_LIGHT 12
 #define TARGET_OUTPUT 13
+#define TARGET_PICTURE 13
 #define TARGET_EDGE 20
 #define TARGET_OCCLUSION 21
 #define TARGET_BLOOM_LIGHT 14
@@ -205,6 +209,7 @@
 #define ID_SHOW_STRIPS 112
 #define ID_SHOW_STRIP_COUNT 113
 #define ID_SHOW_EDGE 114
+#define ID_DIFFERENCE_GAIN 115
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0

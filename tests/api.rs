@@ -23,7 +23,7 @@ fn is_public(visibility: &Visibility) -> bool {
 /// Whether an item exists only in tests or for them, in the C interface, whose list is its header, or in what judges frames, which
 /// engines leave out.
 fn is_left_out(attributes: &[syn::Attribute]) -> bool {
-    let left_out = ["cfg (test)", "doc (hidden)", "\"capi\"", "\"measure\""];
+    let left_out = ["cfg (test)", "doc (hidden)", "\"capi\"", "\"measure\"", "\"shader-compiler\""];
     attributes.iter().any(|a| {
         let text = a.to_token_stream().to_string();
         left_out.iter().any(|known| text.contains(known))

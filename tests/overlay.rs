@@ -38,7 +38,9 @@ fn drawn(gpu: &Gpu<'_>, scene: &Scene, options: Options) -> Picture {
     let renderer = offscreen.renderer_mut();
     renderer.set_overlay_image([2, 1], &[255; 8]).unwrap();
     renderer.set_overlay(0, &frame).unwrap();
-    offscreen.render(&View { camera: &scene.cameras[0], exposure_ev: 0.0 }).unwrap();
+    for _ in 0..offscreen.renderer().plan().frames_to_settle() {
+        offscreen.render(&View { camera: &scene.cameras[0], exposure_ev: 0.0 }).unwrap();
+    }
     offscreen.picture()
 }
 
@@ -123,12 +125,37 @@ fn an_overlay_adds_a_draw_and_no_byte() {
     }
 }
 
+/// Light that is stored beside the picture is the scene's own: where nothing is drawn over, scattered light is as without an overlay.
+#[test]
+fn nothing_of_an_overlay_is_scattered_from_light_that_is_stored() {
+    on_device(None, |gpu| {
+        let scene = scenes::every_feature();
+        for strategy in [Strategy::Subpasses, Strategy::Separate] {
+            for fold in [true, false] {
+                let options =
+                    Options { bloom: BloomWay::Store, bloom_strength: 0.5, strategy, fold, ..small() };
+                let over = pixels(&drawn(gpu, &scene, options.clone()));
+                let plan = gpu.plan(&scene, Options { overlay: false, ..options });
+                let mut plain = gpu.offscreen(&scene, plan, RendererConfig::default());
+                for _ in 0..plain.renderer().plan().frames_to_settle() {
+                    plain.render(&View { camera: &scene.cameras[0], exposure_ev: 0.0 }).unwrap();
+                }
+                let plain = pixels(&plain.picture());
+                let is_over = |at: usize| {
+                    let (x, y) = (at as u32 % SIZE[0], at as u32 / SIZE[0]);
+                    (4..20).contains(&y) && (4..60).contains(&x)
+                };
+                let others = (0..plain.len()).filter(|at| !is_over(*at));
+                others.for_each(|at| assert_eq!(over[at], plain[at], "{strategy}, pixel {at}"));
+                assert_eq!(over[(10 * SIZE[0] + 10) as usize], COLORS[0], "{strategy}");
+            }
+        }
+    });
+}
+
 #[test]
 fn what_cannot_be_drawn_over_is_refused() {
     let scene = scenes::every_feature();
-    let options = Options { bloom: BloomWay::Store, ..small() };
-    let error = Plan::new(Needs::of(&scene), options, &Limits::default()).unwrap_err().to_string();
-    assert!(error.contains("an overlay cannot be drawn") && error.contains("--bloom previous"), "{error}");
     on_device(None, |gpu| {
         let mut plain = gpu.offscreen(
             &scene,

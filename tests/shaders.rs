@@ -275,6 +275,7 @@ fn every_constant() -> Specialization {
         .and(Specialization::behind(Some(true)))
         .and(Specialization::medium(true, true))
         .and(Specialization::show(Show::Channels, &[], true))
+        .and(Specialization::difference(8.0))
 }
 
 #[test]

@@ -3,6 +3,9 @@
 #![cfg(all(feature = "cli", feature = "view", target_os = "linux"))]
 
 mod common;
+#[path = "common/gltf_build.rs"]
+#[allow(dead_code, reason = "what is made here is little")]
+mod gltf_build;
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -10,7 +13,10 @@ use std::process::{Child, Command, Stdio};
 
 use common::ignored_unless_required;
 use common::render::{LAVAPIPE, difference};
-use ontile::picture::Picture;
+use gltf_build::{Gltf, animate};
+use ontile::picture::{Picture, Pixels};
+use ontile::scene::Flight;
+use serde_json::json;
 
 /// An X server of the test's own.
 struct Screen {
@@ -150,6 +156,210 @@ fn the_overlay_comes_and_goes() {
 /// Options that change what the overlay is drawn over.
 const OVER: [(&str, &str); 4] =
     [("strategy", "separate"), ("samples", "4"), ("strategy", "subpasses"), ("layout", "packed128")];
+
+/// A triangle that shrinks to nothing and comes back mirrored, another beside it that turns, a lamp that passes by and a camera that
+/// nears; by a second animation the first one slides.
+fn moving_parts() -> Vec<u8> {
+    let mut file = Gltf::triangle();
+    let other = file.root_node(json!({"mesh": 0, "translation": [-1, 0, 0]}));
+    file.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 8}]}});
+    file.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    file.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}));
+    let lamp = json!({"translation": [0, 0, 1], "extensions": {"KHR_lights_punctual": {"light": 0}}});
+    let (lamp, camera) =
+        (file.root_node(lamp), file.root_node(json!({"camera": 0, "translation": [0, 0, 3]})));
+    let sizes = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, -1.0, 1.0, 1.0];
+    let channels: [(usize, &str, &str, &[f32], &str, &[f32]); 4] = [
+        (0, "scale", "STEP", &[0.0, 0.25, 0.5], "VEC3", &sizes),
+        (other, "rotation", "LINEAR", &[0.0, 0.75], "VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.6, 0.8]),
+        (lamp, "translation", "LINEAR", &[0.0, 0.75], "VEC3", &[-1.0, 0.0, 1.0, 1.0, 1.0, 1.0]),
+        (camera, "translation", "LINEAR", &[0.0, 0.75], "VEC3", &[0.0, 0.0, 3.0, 0.5, 0.0, 2.0]),
+    ];
+    animate(&mut file, &channels);
+    let slide: (usize, &str, &str, &[f32], &str, &[f32]) =
+        (0, "translation", "LINEAR", &[0.0, 0.5], "VEC3", &[0.0, 0.0, 0.0, 0.5, 0.0, 0.0]);
+    animate(&mut file, &[slide]);
+    file.to_gltf()
+}
+
+/// A window that goes from one time to another shows what `render` shows of it at once; hundreds of frames that play leave nothing.
+#[test]
+fn what_plays_is_the_picture_of_its_time_and_leaves_nothing_behind() {
+    let Some(screen) = Screen::new() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("parts.gltf"), moving_parts()).unwrap();
+    let charmer = asset("charmer.glb");
+    let picture = |name: &str| Picture::read(&folder.path().join(name)).unwrap();
+    let cases: [(&str, &[&str], [f64; 4]); 4] = [
+        ("parts.gltf", &["--animation", "all"], [0.6, 0.3, 0.1, 0.7]),
+        (
+            "parts.gltf",
+            &["--strategy", "separate", "--samples", "4", "--animation", "0"],
+            [0.3, 0.0, 0.6, 9.0],
+        ),
+        (&charmer, &[], [1.3, 0.2, 2.9, 0.0]),
+        (&charmer, &["--shadow-volumes", "--frames-in-flight", "3"], [0.4, 1.3, 1.3, -1.0]),
+    ];
+    for (scene, options, times) in cases {
+        let args = [&[scene, "--size", "160x90"], options].concat();
+        let mut script = String::from("frames 4\nscreenshot begin.png\nlive before.json\n");
+        for (i, time) in times.iter().enumerate() {
+            script += &format!("time {time}\nframes {}\nscreenshot {i}.png\n", i % 3);
+        }
+        script += &format!("speed 3\nplay\nframes {PLAYED}\noverlay on\nframes 20\noverlay off\npause\n");
+        script += "time 0\nframes 4\nscreenshot end.png\nlive after.json\n";
+        let told = view(folder.path(), &screen.display, &script, &args);
+        assert_eq!(told, "", "{args:?}");
+        let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+        assert_eq!(read("after.json"), read("before.json"), "{args:?}");
+        assert_eq!(difference(&picture("end.png"), &picture("begin.png")), None, "{args:?}");
+        for (name, time) in ["begin", "0", "1", "2", "3"].into_iter().zip([0.0].iter().chain(&times)) {
+            let time = time.to_string();
+            let of_window = ["--frames-in-flight", "3"];
+            let rest: Vec<_> = args.iter().copied().filter(|arg| !of_window.contains(arg)).collect();
+            let at = [&["render"], &rest[..], &["--time", &time, "-o", "render.png"]].concat();
+            ontile(folder.path(), "", &at);
+            let difference = difference(&picture(&format!("{name}.png")), &picture("render.png"));
+            assert_eq!(difference, None, "{args:?} at {time} s");
+        }
+        let moves = times
+            .iter()
+            .zip(0..)
+            .any(|(_, i)| difference(&picture(&format!("{i}.png")), &picture("begin.png")).is_some());
+        assert!(moves, "{args:?}: nothing moves");
+    }
+}
+
+/// Frames that play: several times round at any rate.
+const PLAYED: usize = 300;
+
+/// A camera that is turned by hand, recorded and flown again; `render` flies the same way.
+#[test]
+fn a_camera_path_is_recorded_and_flown() {
+    let Some(screen) = Screen::new() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |name: &str| Picture::read(&folder.path().join(name)).unwrap();
+    let lamps = asset("lamps.glb");
+    let args = [lamps.as_str(), "--size", "160x90"];
+    let script = "frames 3\nscreenshot begin.png\nrecord way.flight\nframes 2\ndrag 40 5\nframes 2\ndrag 30 -3\nframes 2\nstop\n\
+                  camera 0\nfly way.flight\nscreenshot flown.png\ncamera 0\nscreenshot back.png\nrecord whole.flight\nframes 1";
+    assert_eq!(view(folder.path(), &screen.display, script, &args), "");
+    let way = Flight::load(&folder.path().join("way.flight")).unwrap();
+    let mut eyes: Vec<_> = way.keys().iter().map(|key| key.eye_m).collect();
+    eyes.dedup();
+    assert_eq!(eyes.len(), 3, "{way:?}");
+    assert!(way.keys().iter().all(|key| key.yfov_rad == way.keys()[0].yfov_rad));
+    assert!(Flight::load(&folder.path().join("whole.flight")).is_ok(), "what is not stopped is written too");
+    assert_eq!(difference(&picture("back.png"), &picture("begin.png")), None);
+    assert!(difference(&picture("flown.png"), &picture("begin.png")).is_some(), "it flies");
+    let render =
+        ["render", &lamps, "--size", "160x90", "--flight", "way.flight", "--frames", "3", "-o", "render.png"];
+    ontile(folder.path(), "", &render);
+    assert_eq!(difference(&picture("flown.png"), &picture("render.png")), None);
+    // A flight to begin with.
+    view(
+        folder.path(),
+        &screen.display,
+        "frames 300\nscreenshot end.png",
+        &[&args[..], &["--flight", "way.flight"]].concat(),
+    );
+    assert_eq!(difference(&picture("end.png"), &picture("flown.png")), None);
+}
+
+/// A left of the divider and B right of it are the two pictures bit for bit, the difference of equal ones is black, and what is told of
+/// others is true; the divider moves, the window changes its size, and nothing is left behind.
+#[test]
+fn two_ways_to_draw_are_compared() {
+    let Some(screen) = Screen::new() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let script = "frames 3\nscreenshot a.png\nlive before.json\nset b.layout packed128\nset b.samples 4\nset b.tonemap aces\n\
+                  split 0.25\nframes 3\nscreenshot quarter.png\nsplit 0.7\nscreenshot most.png\noverlay on\nframes 3\n\
+                  size 200x120\nframes 2\nsize 160x90\nframes 2\noverlay off\nsuspend\nframes 1\nresume\nframes 2\n\
+                  screenshot again.png\nmeasure apart.json\ndifference 2\nframes 3\nscreenshot apart.png\noverlay on\nframes 3\n\
+                  size 200x120\nframes 2\nsize 160x90\noverlay off\nset layout packed128\nset samples 4\nset tonemap aces\n\
+                  frames 2\nscreenshot none.png\nmeasure none.json\nset edge-filter true\ndifference off\nframes 2\nscreenshot b.png\n\
+                  set layout metallic128\nset samples 1\nset tonemap neutral\nframes 3\nscreenshot after.png\nlive after.json\n";
+    let lamps = asset("lamps.glb");
+    let told = view(folder.path(), &screen.display, script, &[&lamps, "--size", "160x90"]);
+    assert!(told.lines().count() == 1 && told.contains("--edge-filter out"), "{told}");
+    let bytes = |name: &str| match Picture::read(&folder.path().join(name)).unwrap().pixels {
+        Pixels::Rgba8(bytes) => bytes,
+        Pixels::Rgba32F(_) => panic!("{name} has floats"),
+    };
+    let (a, b) = (bytes("a.png"), bytes("b.png"));
+    for (name, at) in [("quarter.png", 40), ("most.png", 112), ("again.png", 112)] {
+        let found = bytes(name);
+        let wrong =
+            (0..a.len()).filter(|i| found[*i] != if i / 4 % 160 < at { a[*i] } else { b[*i] }).count();
+        assert_eq!(wrong, 0, "{name}");
+    }
+    let colors = || (0..a.len()).filter(|i| i % 4 < 3);
+    let none = bytes("none.png");
+    assert!(colors().all(|i| none[i] == 0), "equal pictures differ");
+    let apart = bytes("apart.png");
+    for i in colors() {
+        let expected = 2.0 * f32::from(a[i].abs_diff(b[i]));
+        // Both are decoded by the device's approximation, each off by up to half a step.
+        assert!((f32::from(apart[i]) - expected.min(255.0)).abs() <= 2.5, "{} {expected}", apart[i]);
+    }
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let most = colors().map(|i| a[i].abs_diff(b[i])).max().unwrap();
+    let squares: f64 = colors().map(|i| f64::from(a[i].abs_diff(b[i])).powi(2)).sum();
+    let psnr_db = 10.0 * (255.0_f64.powi(2) * colors().count() as f64 / squares).log10();
+    let measured: serde_json::Value = serde_json::from_str(&read("apart.json")).unwrap();
+    assert!(most > 20 && measured["most"] == most, "{measured}, {most}");
+    assert!((measured["psnr_db"].as_f64().unwrap() - psnr_db).abs() < 1e-9, "{measured}, {psnr_db}");
+    assert_eq!(read("none.json"), r#"{"most":0,"psnr_db":null}"#);
+    assert_eq!(bytes("after.png"), a);
+    assert_eq!(read("after.json"), read("before.json"));
+}
+
+/// GLSL that has changed is drawn with; what is broken is told with its place, and what was drawn before goes on.
+#[cfg(feature = "shader-compiler")]
+#[test]
+fn changed_glsl_is_compiled_while_the_window_goes_on() {
+    fn copy(from: &Path, to: &Path) {
+        std::fs::create_dir_all(to).unwrap();
+        for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
+            let to = to.join(entry.file_name());
+            match entry.file_type().unwrap().is_dir() {
+                true => copy(&entry.path(), &to),
+                false => std::fs::copy(entry.path(), &to).map(drop).unwrap(),
+            }
+        }
+    }
+    let Some(screen) = Screen::new() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let glsl = folder.path().join("glsl");
+    copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl"), &glsl);
+    let curve = glsl.join("tonemap.glsl");
+    let text = std::fs::read_to_string(&curve).unwrap();
+    let begin = "vec3 tonemap_neutral(vec3 color) {\n";
+    let line = text.lines().position(|line| line == begin.trim_end()).expect("the curve is there") + 2;
+    let picture = |name: &str| Picture::read(&folder.path().join(name)).unwrap();
+    let lamps = asset("lamps.glb");
+    let args = [lamps.as_str(), "--size", "160x90", "--glsl", "glsl"];
+    let script = "reload\nframes 3\nscreenshot window.png\nlive live.json";
+    let mut live = Vec::new();
+    for (statement, is_other, problem) in
+        [("", false, None), ("color *= 0.5;\n", true, None), ("colour *= 0.5;\n", false, Some("colour"))]
+    {
+        std::fs::write(&curve, text.replace(begin, &format!("{begin}{statement}"))).unwrap();
+        let told = view(folder.path(), &screen.display, script, &args);
+        match problem {
+            None => assert_eq!(told, "", "{statement}"),
+            Some(name) => {
+                let place = format!("tonemap.glsl:{line}: error: ");
+                assert!(told.contains(&place) && told.contains(name), "{told}");
+            }
+        }
+        ontile(folder.path(), "", &["render", &lamps, "--size", "160x90", "-o", "render.png"]);
+        let difference = difference(&picture("window.png"), &picture("render.png"));
+        assert_eq!(difference.is_some(), is_other, "{statement}");
+        live.push(std::fs::read_to_string(folder.path().join("live.json")).unwrap());
+    }
+    assert_eq!(live[1], live[0], "what was drawn with before is gone");
+}
 
 #[test]
 fn without_a_screen_it_says_so() {

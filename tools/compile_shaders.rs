@@ -5,9 +5,8 @@
 #[path = "shader_manifest.rs"]
 mod shader_manifest;
 
-use ontile::gpu::shader::{Module, Stage};
+use ontile::gpu::shader::{Compiled, Module, compile};
 use shader_manifest::{Manifest, ModuleRecord, sha256};
-use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 use std::path::Path;
@@ -37,11 +36,11 @@ fn main() -> ExitCode {
 
 /// Everything that belongs into `glsl/spirv/`, by file name.
 fn compile_all(glsl: &Path) -> Result<Files, Box<dyn Error>> {
-    let compiler = shaderc::Compiler::new()?;
     let mut files = Files::new();
     let mut manifest = Manifest { sources: BTreeMap::new(), modules: BTreeMap::new() };
     for module in Module::ALL {
-        let (spirv, sources) = compile(&compiler, glsl, module)?;
+        let Compiled { spirv, sources } = compile(glsl, module)?;
+        let spirv: Vec<u8> = spirv.iter().flat_map(|word| word.to_le_bytes()).collect();
         for source in &sources {
             manifest.sources.insert(source.clone(), sha256(&std::fs::read(glsl.join(source))?));
         }
@@ -53,69 +52,6 @@ fn compile_all(glsl: &Path) -> Result<Files, Box<dyn Error>> {
     files.insert("modules.rs".into(), format!("// Written by tools/shaders.\nembed![\n{names}]\n").into());
     files.insert("manifest.json".into(), (serde_json::to_string_pretty(&manifest)? + "\n").into());
     Ok(files)
-}
-
-/// The SPIR-V, and the sources that it was compiled from.
-fn compile(
-    compiler: &shaderc::Compiler,
-    glsl: &Path,
-    module: Module,
-) -> Result<(Vec<u8>, Vec<String>), Box<dyn Error>> {
-    let included = RefCell::new(BTreeSet::new());
-    let mut options = shaderc::CompileOptions::new()?;
-    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_1 as u32);
-    options.set_optimization_level(shaderc::OptimizationLevel::Performance);
-    options.set_warnings_as_errors();
-    for define in module.defines() {
-        options.add_macro_definition(define, None);
-    }
-    // Targets are numbered by what they hold; the places that a pipeline gives them are within every device's limit.
-    options.set_limit(shaderc::Limit::MaxDrawBuffers, 32);
-    // Keeps names, by which tests match members; `without_source` removes the rest of what this adds.
-    options.set_generate_debug_info();
-    options.set_include_callback(|name, _, from, _| {
-        let content = std::fs::read_to_string(glsl.join(name))
-            .map_err(|error| format!("{from} includes glsl/{name}: {error}"))?;
-        included.borrow_mut().insert(name.to_owned());
-        Ok(shaderc::ResolvedInclude { resolved_name: name.to_owned(), content })
-    });
-    let kind = match module.stage() {
-        Stage::Vertex => shaderc::ShaderKind::Vertex,
-        Stage::Fragment => shaderc::ShaderKind::Fragment,
-        Stage::Compute => shaderc::ShaderKind::Compute,
-    };
-    let text = std::fs::read_to_string(glsl.join(module.source()))?;
-    let artifact = compiler
-        .compile_into_spirv(&text, kind, module.source(), "main", Some(&options))
-        .map_err(|error| format!("{}: {error}", module.name()))?;
-    let spirv = without_source(artifact.as_binary()).iter().flat_map(|word| word.to_le_bytes()).collect();
-    drop(options);
-    let sources = std::iter::once(module.source().to_owned()).chain(included.into_inner()).collect();
-    Ok((spirv, sources))
-}
-
-/// The module without source text and line numbers (SPIR-V specification, 3.49.2 Debug Instructions).
-fn without_source(spirv: &[u32]) -> Vec<u32> {
-    const SOURCE_CONTINUED: u32 = 2;
-    const SOURCE: u32 = 3;
-    const SOURCE_EXTENSION: u32 = 4;
-    const STRING: u32 = 7;
-    const LINE: u32 = 8;
-    const NO_LINE: u32 = 317;
-    const MODULE_PROCESSED: u32 = 330;
-    const HEADER_WORDS: usize = 5;
-
-    let (header, mut rest) = spirv.split_at(HEADER_WORDS);
-    let mut kept = header.to_vec();
-    while let Some(&first) = rest.first() {
-        let (instruction, after) = rest.split_at((first >> 16) as usize);
-        match first & 0xffff {
-            SOURCE_CONTINUED | SOURCE | SOURCE_EXTENSION | STRING | LINE | NO_LINE | MODULE_PROCESSED => {}
-            _ => kept.extend_from_slice(instruction),
-        }
-        rest = after;
-    }
-    kept
 }
 
 /// Replaces what differs and removes what does not belong, the list of modules last: it names files that exist.

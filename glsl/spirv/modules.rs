@@ -8,6 +8,7 @@ embed![
     "decal.frag",
     "decal.vert",
     "decal_samples.frag",
+    "difference.frag",
     "edge_filter.frag",
     "edges.frag",
     "fog.frag",

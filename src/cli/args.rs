@@ -34,15 +34,9 @@ pub struct SceneArgs {
     /// there [default: as the file is without animations, and nothing exists for them]
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
-    /// The animation that --time is of, by its number in the file (from 0) or its name; all: all of them at once
-    #[arg(
-        long,
-        value_name = "N|NAME|all",
-        default_value = "0",
-        requires = "time",
-        allow_negative_numbers = true
-    )]
-    pub animation: String,
+    /// The animation that --time is of, by its number in the file (from 0) or its name; all: all of them at once [default: 0]
+    #[arg(long, value_name = "N|NAME|all", allow_negative_numbers = true)]
+    pub animation: Option<String>,
     /// Light from every direction alike, in cd/m² [default: the scene's own]
     #[arg(long, value_name = "RADIANCE", value_parser = radiance, allow_negative_numbers = true)]
     pub ambient: Option<f32>,

@@ -9,7 +9,7 @@ use ontile::gpu::{
 use ontile::measure::lit_by_sample;
 use ontile::picture::Picture;
 use ontile::plan::{Figure, Needs, Options, Plan, Report};
-use ontile::scene::{Camera, Scene};
+use ontile::scene::{Camera, Flight, Scene};
 use ontile::{Error, Result, file};
 use serde::Serialize;
 
@@ -30,6 +30,7 @@ Examples:
   ontile render scene.glb -o scene.exr --tonemap linear --size 640x360
   ontile render scene.glb -o scene.png --camera 1 --exposure -2.5 --report scene.json
   ontile render scene.glb -o scene.png --strategy separate --frames 100 --report separate.json
+  ontile render scene.glb -o end.png --frames 100 --flight tour.flight --report tour.json
 
 Colours in .exr are linear and not clamped; '--tonemap linear' leaves them in the scene's units times 2^EV.")]
 pub struct RenderArgs {
@@ -51,6 +52,10 @@ pub struct RunArgs {
     /// How many times the frame is rendered; more give steadier times
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     pub frames: u32,
+    /// Render the frames along this camera path, in equal steps of time from its begin to its end, with the camera's projection; the picture
+    /// is the last one's. 'ontile view' records it [default: the camera stands]
+    #[arg(long, value_name = "FILE")]
+    pub flight: Option<PathBuf>,
     /// Write what was created and measured as JSON: bytes per pixel, attachments, times [default: none]
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,
@@ -110,12 +115,13 @@ pub(super) fn run_with<R: Serialize>(
 
 fn render(args: &RenderArgs, scene: &Scene) -> Result<(Picture, Report)> {
     let camera = scene::camera(scene, &args.scene)?;
+    let flight = args.run.flight.as_deref().map(Flight::load).transpose()?;
     let host = Headless::new(&HeadlessOptions {
         device_name_part: args.run.device.clone(),
         validate: args.run.validate,
         application_name: "ontile".into(),
     })?;
-    let drawn = draw(args, scene, camera, host.device());
+    let drawn = draw(args, scene, camera, flight.as_ref(), host.device());
     // Destroying the device may bring messages too, and is when some drivers tell what they did.
     let mut messages = host.finish();
     let (picture, mut report, expected) = drawn?;
@@ -139,6 +145,7 @@ fn draw(
     args: &RenderArgs,
     scene: &Scene,
     camera: &Camera,
+    flight: Option<&Flight>,
     device: &Device,
 ) -> Result<(Picture, Report, Vec<&'static str>)> {
     let options = auto::options_on(&args.plan, args.output.image_format(), scene, camera, device)?;
@@ -164,13 +171,18 @@ fn draw(
     // Scattered light is that of the frames before.
     let frames = args.run.frames.max(offscreen.renderer().plan().frames_to_settle());
     let progress = (frames > 1).then(|| Progress::of_steps("rendering", frames.into()));
-    for _ in 0..frames {
-        offscreen.render(&View { camera, exposure_ev: args.plan.exposure })?;
+    let mut camera = camera.clone();
+    for frame in 0..frames {
+        if let Some(flight) = flight {
+            let way = f64::from(frame.min(args.run.frames - 1)) / f64::from((args.run.frames - 1).max(1));
+            flight.place(&mut camera, way * flight.duration_s());
+        }
+        offscreen.render(&View { camera: &camera, exposure_ev: args.plan.exposure })?;
         progress.iter().for_each(Progress::step);
     }
     let mut report = offscreen.report(scene);
     if let Some(figures) = report.device.as_mut().filter(|_| args.run.report.is_some()) {
-        let view = View { camera, exposure_ev: args.plan.exposure };
+        let view = View { camera: &camera, exposure_ev: args.plan.exposure };
         let share = lit_by_sample(device, scene, offscreen.renderer().plan(), &view, &cache)?;
         figures.lit_by_sample = share.map(Figure::driver);
     }

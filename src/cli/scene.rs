@@ -13,11 +13,26 @@ use super::progress::Progress;
 /// Loads the scene, applies what the arguments change, and tells the loader's warnings.
 pub fn load(args: &SceneArgs) -> Result<Scene> {
     let progress = Progress::of(format!("loading {}", args.scene.display()));
-    let mut scene = match args.time {
-        None => Scene::load(&args.scene)?,
-        Some(time_s) => at(Scene::load_moving(&args.scene)?, time_s, &args.animation)?,
+    let scene = match (args.time, &args.animation) {
+        (None, None) => Scene::load(&args.scene)?,
+        (time, animation) => {
+            let moving = Scene::load_moving(&args.scene)?;
+            at(moving, time.unwrap_or(0.0), animation.as_deref().unwrap_or("0"))?
+        }
     };
     drop(progress);
+    changed(scene, args)
+}
+
+/// The same with what its animations move, where its file has some.
+pub fn load_moving(args: &SceneArgs) -> Result<Scene> {
+    let progress = Progress::of(format!("loading {}", args.scene.display()));
+    let scene = Scene::load_moving(&args.scene)?;
+    drop(progress);
+    changed(scene, args)
+}
+
+fn changed(mut scene: Scene, args: &SceneArgs) -> Result<Scene> {
     if let Some(ambient) = args.ambient {
         scene.ambient_nt = ontile::glam::Vec3::splat(ambient);
     }

@@ -7,6 +7,7 @@ use clap::Args;
 use ontile::Result;
 use ontile::gpu::{Headless, HeadlessOptions};
 use ontile::plan::{Options, OutputFormat};
+use ontile::scene::Flight;
 use ontile::view::{HELP, PresentMode, Script, Viewer};
 
 use super::args::{PlanArgs, SceneArgs, named};
@@ -21,8 +22,10 @@ use super::{auto, print, scene};
 Keys:
 {HELP}
 
-Commands of a script, one a line: frames N, size WxH, open FILE, set OPTION VALUE, camera N|NAME, exposure EV, drag X Y,
-screenshot FILE, live FILE, overlay on|off, turn DEGREES, low-memory, suspend, resume, stay; after the last one the window is closed.
+Commands of a script, one a line: frames N, size WxH, open FILE, set OPTION VALUE, camera N|NAME, time SECONDS,
+animation N|NAME|all, play, pause, speed FACTOR, record FILE, stop, fly FILE, reload, exposure EV, drag X Y, screenshot FILE,
+set b.OPTION VALUE, split SHARE|off, difference GAIN|off, measure FILE, live FILE, overlay on|off, turn DEGREES, low-memory,
+suspend, resume, stay; after the last one the window is closed.
 
 Examples:
   ontile view scene.glb
@@ -48,6 +51,14 @@ pub struct WindowArgs {
     /// Frames that are prepared while the GPU draws
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=3))]
     pub frames_in_flight: u32,
+    /// Fly this camera path to begin with, which was recorded by R, or by 'record FILE' of a script
+    #[arg(long, value_name = "FILE")]
+    pub flight: Option<PathBuf>,
+    /// Watch this folder of GLSL and draw with what changes there [default: glsl/ of the checkout that the program was built from, if
+    /// it is there]
+    #[cfg(feature = "shader-compiler")]
+    #[arg(long, value_name = "DIR")]
+    pub glsl: Option<PathBuf>,
     /// Begin without the overlay, which costs nothing then; F2 shows it [default: with it, unless there is a script]
     #[arg(long)]
     pub no_overlay: bool,
@@ -69,7 +80,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     let options = Options { overlay: !window.no_overlay && script.is_none(), ..options(args)? };
     let (scene_args, environment_format) = (args.scene.clone(), options.environment_format);
     let load = move |path: &Path| {
-        let mut scene = scene::load(&SceneArgs { scene: path.to_owned(), ..scene_args.clone() })?;
+        let mut scene = scene::load_moving(&SceneArgs { scene: path.to_owned(), ..scene_args.clone() })?;
         scene::prefilter(&mut scene, environment_format);
         Ok(scene)
     };
@@ -78,6 +89,14 @@ pub fn run(args: &ViewArgs) -> Result<()> {
         options,
         exposure_ev: args.plan.exposure,
         camera: args.scene.camera.clone(),
+        flight: window.flight.as_deref().map(Flight::load).transpose()?,
+        #[cfg(feature = "shader-compiler")]
+        glsl: window.glsl.clone().or_else(|| {
+            let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl");
+            own.is_dir().then_some(own)
+        }),
+        animation: args.scene.animation.clone(),
+        time_s: args.scene.time,
         present: window.present,
         frames_in_flight: window.frames_in_flight as usize,
         device: window.device.clone(),

@@ -7,6 +7,7 @@ use super::pass::VulkanPass;
 use super::pipeline::Pipelines;
 use super::poses::prepare_poses;
 use super::post::PostPasses;
+use super::shader::Modules;
 use super::shadow::prepare_casters;
 use super::{Called, Caps, Device, Owned};
 use crate::plan::Plan;
@@ -19,6 +20,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct PipelineCache {
     raw: Arc<Owned<vk::PipelineCache>>,
+    modules: Modules,
 }
 
 impl PipelineCache {
@@ -32,7 +34,18 @@ impl PipelineCache {
         let info = vk::PipelineCacheCreateInfo::default().initial_data(initial);
         // SAFETY: the data is what this driver itself returned: identity and checksum were compared.
         let raw = unsafe { device.create_pipeline_cache(&info, "pipelines") }?;
-        Ok(Self { raw: Arc::new(raw) })
+        Ok(Self { raw: Arc::new(raw), modules: Modules::default() })
+    }
+
+    /// The same cache, for pipelines that are made of these shader modules from now on.
+    #[doc(hidden)]
+    pub fn with_modules(&self, modules: Modules) -> Self {
+        Self { raw: Arc::clone(&self.raw), modules }
+    }
+
+    /// What pipelines are made of.
+    pub(super) fn modules(&self) -> &Modules {
+        &self.modules
     }
 
     /// Makes a cache from the file of this device in the user's cache directory; from nothing without one.

@@ -152,6 +152,13 @@ impl Overlay {
         self.pipeline
     }
 
+    /// Draws what another has drawn, whose frames may be on the GPU; pipeline and layout of the set are its own.
+    pub(super) fn take(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.image, &mut other.image);
+        std::mem::swap(&mut self.slots, &mut other.slots);
+        self.write_set();
+    }
+
     pub(super) fn set_of_image(&self) -> vk::DescriptorSet {
         self.sets.raw(0)
     }
@@ -168,6 +175,7 @@ impl Overlay {
         layout: vk::PipelineLayout,
         extent: vk::Extent2D,
         pre_rotation: PreRotation,
+        area: vk::Rect2D,
     ) -> FrameCounts {
         let slot = &self.slots[slot];
         let (device, raw) = (recorder.device().raw(), recorder.raw());
@@ -189,9 +197,8 @@ impl Overlay {
             device.cmd_bind_index_buffer(raw, slot.indices.raw(), 0, vk::IndexType::UINT32);
         }
         for part in &slot.parts {
-            let Some(scissor) =
-                scissor(part.clip_px, size, pre_rotation).filter(|_| !part.indices.is_empty())
-            else {
+            let within = scissor(part.clip_px, size, pre_rotation).and_then(|rect| common(rect, area));
+            let Some(scissor) = within.filter(|_| !part.indices.is_empty()) else {
                 continue;
             };
             let count = part.indices.end - part.indices.start;
@@ -245,7 +252,7 @@ fn image(device: &Device, size: [u32; 2]) -> Result<Image> {
 }
 
 /// Where in the image that part of a rectangle is that lies in the picture, of this size; `None` if none does.
-fn scissor(
+pub(super) fn scissor(
     [left, top, right, bottom]: [u32; 4],
     [width, height]: [u32; 2],
     pre_rotation: PreRotation,
@@ -263,5 +270,18 @@ fn scissor(
     Some(vk::Rect2D {
         offset: vk::Offset2D { x: x as i32, y: y as i32 },
         extent: vk::Extent2D { width, height },
+    })
+}
+
+/// What two rectangles have in common; `None` if nothing.
+fn common(a: vk::Rect2D, b: vk::Rect2D) -> Option<vk::Rect2D> {
+    let end = |rect: vk::Rect2D| {
+        [rect.offset.x + rect.extent.width as i32, rect.offset.y + rect.extent.height as i32]
+    };
+    let (x, y) = (a.offset.x.max(b.offset.x), a.offset.y.max(b.offset.y));
+    let [right, bottom] = [0, 1].map(|axis| end(a)[axis].min(end(b)[axis]));
+    (x < right && y < bottom).then(|| vk::Rect2D {
+        offset: vk::Offset2D { x, y },
+        extent: vk::Extent2D { width: (right - x) as u32, height: (bottom - y) as u32 },
     })
 }

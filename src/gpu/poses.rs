@@ -87,7 +87,8 @@ impl PosePipeline {
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets).push_constant_ranges(&push);
         // SAFETY: the set layout is alive; the push constants are fewer than the 128 bytes of every device.
         let layout = unsafe { device.create_pipeline_layout(&info, name) }?;
-        let spirv = prune(name, Module::Pose.spirv()?, &Specialization::default(), None)?.spirv;
+        let spirv =
+            prune(name, cache.modules().spirv(Module::Pose)?, &Specialization::default(), None)?.spirv;
         let module = shader_module(device, &spirv, name)?;
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)

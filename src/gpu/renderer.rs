@@ -1,6 +1,7 @@
 //! The renderer: a plan made of Vulkan objects, and frames recorded with them.
 
 mod decals;
+mod frame;
 mod overlay;
 mod particles;
 mod post;
@@ -24,11 +25,10 @@ use super::post::PostPasses;
 use super::scene_data::SceneData;
 use super::shadow::{RecordedShadows, ShadowResources, Shadows};
 use super::target::check_formats;
-use super::{Device, Image, OutputImage, PipelineCache, Queries, Recorder, Target, Upload, View, conv};
+use super::{Device, Image, OutputImage, PipelineCache, Queries, Recorder, Target, Upload, conv};
 use crate::plan::{FrameCounts, MergeReport, Needs, OutputUse, Pipeline, Plan, State, Usage};
 use crate::scene::{Changes, Decal, Light, Particle, Pose, Scene};
 use crate::{Error, Result};
-use record::Frame;
 use retired::Retired;
 pub use update::Updated;
 
@@ -234,9 +234,29 @@ impl Renderer {
     /// # Errors
     /// [`Error::Unsupported`] if the device has no images of that size; [`Error::Vulkan`].
     pub fn create_target(&self, size: [u32; 2], outputs: &[OutputImage]) -> Result<Target> {
+        self.target(size, (outputs, None))
+    }
+
+    /// The same for a plan with [`Options::difference`](crate::plan::Options::difference), with a view of the other picture: of this
+    /// size, one sample, any format of colours. When a frame is recorded that picture was drawn by commands before on the same queue, and
+    /// its image is in SHADER_READ_ONLY_OPTIMAL ([`OutputUse::Sample`] leaves it so). The host keeps image and view alive as long as the
+    /// target.
+    ///
+    /// # Errors
+    /// As [`Self::create_target`].
+    pub fn create_target_beside(
+        &self,
+        size: [u32; 2],
+        outputs: &[OutputImage],
+        other: vk::ImageView,
+    ) -> Result<Target> {
+        self.target(size, (outputs, Some(other)))
+    }
+
+    fn target(&self, size: [u32; 2], images: (&[OutputImage], Option<vk::ImageView>)) -> Result<Target> {
         let Self { device, plan, passes, pipelines, post, config, .. } = self;
         let post = post.as_deref();
-        Target::new(device, plan, passes, pipelines, post, size, outputs, config.capture)
+        Target::new(device, plan, passes, pipelines, post, size, images, config.capture)
     }
 
     /// The format that output images must have.
@@ -383,59 +403,5 @@ impl Renderer {
         if let Some(shadows) = &mut self.shadows {
             shadows.redraw();
         }
-    }
-
-    /// Records a frame: no allocation, no wait, no submission.
-    ///
-    /// `slot` is below [`RendererConfig::frames_in_flight`], and the GPU has finished the frame that was recorded with it
-    /// before. `target` comes from this renderer's [`Self::create_target`], and `output` is an index into its images.
-    /// The render pass orders earlier accesses to the output image on the same queue if they are colour writes or of
-    /// the plan's [`OutputUse`](crate::plan::OutputUse); a swapchain's semaphore is waited for at the stage
-    /// COLOR_ATTACHMENT_OUTPUT. Afterwards the image is in [`Self::output_layout`].
-    ///
-    /// # Panics
-    /// If `slot` or `output` is out of range, or the target is another renderer's.
-    pub fn record(
-        &mut self,
-        recorder: &Recorder<'_>,
-        slot: usize,
-        target: &Target,
-        output: usize,
-        view: &View<'_>,
-    ) {
-        assert!(
-            self.created(target),
-            "the target was created by another renderer, or before an update that asked for new targets"
-        );
-        self.retired.recording(slot);
-        let vk::Extent2D { width, height } = target.extent();
-        let turned = target.pre_rotated_camera(view.camera);
-        let view = &View { camera: turned.as_ref().unwrap_or(view.camera), ..*view };
-        let exposure = view.exposure();
-        let scattered = target.post().map_or([0.0; 2], |post| post.scattered(&self.plan, exposure));
-        let (size, cull) = ([width, height], self.config.cull);
-        let seen =
-            self.scene.write_frame(slot, view, &self.plan, (size, target.pre_rotation()), cull, scattered);
-        let _label = recorder.label("ontile frame");
-        self.queries.reset(recorder, slot as u32);
-        self.queries.begin_statistics(recorder, slot as u32);
-        self.queries.timestamp(recorder, slot as u32, 0, vk::PipelineStageFlags::TOP_OF_PIPE);
-        let aspect = f64::from(width) / f64::from(height);
-        if let Some(post) = target.post() {
-            post.prepare(recorder, &self.plan);
-            post.recorded(exposure);
-        }
-        self.scene.poses_mut().into_iter().for_each(|poses| poses.record(recorder, slot));
-        let shadows = self.shadows.as_mut().map(|s| s.record(recorder, slot, view, aspect, &self.scene));
-        let shadows = shadows.unwrap_or_default();
-        let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };
-        let mut fragments = self.fragments.take();
-        fragments.iter_mut().for_each(|fragments| fragments.reset(recorder, slot));
-        let mut frame =
-            Frame { renderer: self, recorder, slot, target, output, counts, bound_frame: None, fragments };
-        frame.record();
-        let Frame { counts, fragments, .. } = frame;
-        self.fragments = fragments;
-        self.recorded = Recorded { counts, light_lists: seen.light_lists, shadows };
     }
 }

@@ -4,7 +4,10 @@
 //! and a test compares the two.
 
 mod collected;
+#[cfg(feature = "shader-compiler")]
+mod compile;
 mod declared;
+mod modules;
 mod numbers;
 mod places;
 mod post_constants;
@@ -12,7 +15,10 @@ mod prune;
 mod show_constants;
 mod specialization;
 
+#[cfg(feature = "shader-compiler")]
+pub use compile::{Compiled, compile};
 pub(in crate::gpu) use declared::declared;
+pub use modules::Modules;
 pub use numbers::{shared, shared_names};
 pub use places::AttachmentPlaces;
 pub use prune::{Pruned, prune};
@@ -127,11 +133,13 @@ pub enum Module {
     Show,
     /// [`Self::Show`] of several samples a pixel.
     ShowSamples,
+    /// Writes how far the picture is from another one.
+    Difference,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 42] = [
+    pub const ALL: [Self; 43] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -174,6 +182,7 @@ impl Module {
         Self::Pose,
         Self::Show,
         Self::ShowSamples,
+        Self::Difference,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -210,6 +219,7 @@ impl Module {
             Self::Overlay => "overlay.frag",
             Self::Pose => "pose.comp",
             Self::Show | Self::ShowSamples => "show.frag",
+            Self::Difference => "difference.frag",
         }
     }
 
@@ -312,14 +322,7 @@ impl Shaders {
         constants: &Specialization,
         attachments: &AttachmentPlaces,
     ) -> Result<Self> {
-        let left = |module: Module, read| prune(module.name(), module.spirv()?, constants, read);
-        let fragment = fragment.map(|module| {
-            let left = left(module, None)?;
-            Ok((attachments.apply(module.name(), left.spirv)?, left.inputs))
-        });
-        let (fragment, read) = fragment.transpose()?.unzip();
-        let vertex = left(vertex, Some(&read.unwrap_or_default()))?;
-        Ok(Self { vertex: vertex.spirv, fragment, attributes: vertex.inputs })
+        Modules::default().shaders(vertex, fragment, constants, attachments)
     }
 }
 

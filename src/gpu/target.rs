@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::descriptor::{Content, DescriptorSets};
 use super::pass::{PassTarget, VulkanPass};
-use super::pipeline::{BEHIND_DEPTH, BEHIND_LIGHT, Pipelines};
+use super::pipeline::{BEHIND_DEPTH, BEHIND_LIGHT, OTHER, Pipelines};
 use super::post::{PostPasses, PostTarget};
 use super::shader::shared;
 use super::{Device, Image, ImageDesc, conv};
@@ -62,9 +62,15 @@ impl Target {
         pipelines: &Pipelines,
         post: Option<&PostPasses>,
         size: [u32; 2],
-        outputs: &[OutputImage],
+        (outputs, other): (&[OutputImage], Option<vk::ImageView>),
         capture: bool,
     ) -> Result<Self> {
+        if plan.options.difference.is_some() && other.is_none() {
+            return Err(Error::unsupported(
+                "the plan is for the difference from another picture",
+                "use `Renderer::create_target_beside`, or leave `Options::difference` out",
+            ));
+        }
         check_size(size, &device.limits())?;
         let attachments = plan
             .attachments
@@ -89,8 +95,16 @@ impl Target {
             let binding = const { shared("BINDING_BLOOM") };
             post.sampled_at(binding, images[image].view())
         });
-        let build =
-            OutputBuilder { device, plan, passes, pipelines, attachments: &attachments, extent, bloom };
+        let build = OutputBuilder {
+            device,
+            plan,
+            passes,
+            pipelines,
+            attachments: &attachments,
+            extent,
+            bloom,
+            other,
+        };
         let hosts = outputs;
         let outputs = hosts.iter().map(|o| build.build(o)).collect::<Result<_>>()?;
         let view = |output: usize, attachment: usize| build.view(&hosts[output], attachment);
@@ -162,6 +176,8 @@ struct OutputBuilder<'a> {
     extent: vk::Extent2D,
     /// Scattered light.
     bloom: Option<vk::DescriptorImageInfo>,
+    /// The picture that this one is compared with.
+    other: Option<vk::ImageView>,
 }
 
 impl OutputBuilder<'_> {
@@ -220,6 +236,13 @@ impl OutputBuilder<'_> {
                 let binding = if is_depth { BEHIND_DEPTH } else { BEHIND_LIGHT };
                 let ty = vk::DescriptorType::SAMPLED_IMAGE;
                 sets.write(set, binding, ty, &Content::Images(vec![image]));
+            }
+            if let Some(other) = self.other.filter(|_| subpass.name == "difference") {
+                let image = vk::DescriptorImageInfo::default()
+                    .image_view(other)
+                    .image_layout(conv::layout(State::Sampled));
+                let ty = vk::DescriptorType::SAMPLED_IMAGE;
+                sets.write(set, OTHER, ty, &Content::Images(vec![image]));
             }
             if let Some(bloom) = self.bloom.filter(|_| self.plan.applies_curve(stage)) {
                 let ty = vk::DescriptorType::COMBINED_IMAGE_SAMPLER;

@@ -169,6 +169,7 @@ fn pass(
             State::of(&last.uses, depth)
         };
         states.insert(attachment, after);
+        let is_kept = options.output_is_kept && attachment == place_of(Frame::OUTPUT);
         let outside = if frame.resources[last.resource].sampled {
             Some((Access::SampledRead, "passes after the frame's own sample it"))
         } else {
@@ -195,7 +196,13 @@ fn pass(
             load,
             store,
             stencil: stencil(frame, first.resource, stages),
-            initial: if load == Load::Load { state_before } else { State::Undefined },
+            initial: match load {
+                Load::Load => state_before,
+                // Whatever stays was left in this state.
+                _ if is_kept && state_before == State::Undefined => State::after_frame(options.output_use),
+                _ if is_kept => state_before,
+                _ => State::Undefined,
+            },
             last: after,
         });
     }
@@ -411,7 +418,9 @@ pub fn attachments(
                 color: has(OUTPUTS) || has(&[Use::Resolve]),
                 depth: has(&[Use::Depth, Use::DepthTest, Use::Stencil]),
                 input: has(INPUTS),
-                sampled: resources.clone().any(|r| r.sampled) || has(&[Use::Sample]),
+                sampled: resources.clone().any(|r| r.sampled)
+                    || has(&[Use::Sample])
+                    || (is_output && options.output_use == super::OutputUse::Sample),
                 copy_source: if is_output { options.output_use == super::OutputUse::Copy } else { kept },
                 blend: has(&[Use::Blend]),
             },

@@ -118,7 +118,8 @@ pub struct Totals {
     pub passes: usize,
     /// Subpasses in all passes.
     pub subpasses: usize,
-    /// Bytes a pixel that passes after these load, and that their tone curve samples of scattered light.
+    /// Bytes a pixel that passes after these load, and that they themselves sample of scattered light or of a picture that theirs is
+    /// compared with.
     pub post_loaded_bytes_per_pixel: Figure,
     /// Bytes a pixel that passes after these store.
     pub post_stored_bytes_per_pixel: Figure,
@@ -415,6 +416,7 @@ impl Plan {
                 format!("{}, by sample", self.pipeline_text(&pipeline.per_pixel()))
             }
             P::Show => format!("show {}", self.options.show),
+            P::Difference => format!("difference, times {}", self.options.difference.unwrap_or_default()),
             P::ShowEdges => "show edges that are marked".into(),
             P::Tonemap => format!("tonemap, {} curve{around}", self.options.tonemap),
         }

@@ -16,6 +16,7 @@ mod choice;
 mod counts;
 mod decals;
 mod derive;
+mod difference;
 mod edges;
 mod format;
 mod layout;
@@ -217,6 +218,7 @@ impl Plan {
         let needs = needs.shown(options.show);
         check_size(options.size, limits)?;
         check_dither(&options)?;
+        difference::check(&options)?;
         check_shadows(&options)?;
         around::check(&needs)?;
         let (path, path_why) = path::resolve(&needs, &options, strategy, limits)?;
@@ -259,6 +261,7 @@ impl Plan {
         let mut notes = options.gbuffer_why.clone();
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
         notes.extend(overlay::note(&options, &passes));
+        notes.extend(difference::note(&options));
         notes.extend(show::note(&needs, &options, &gbuffer, folded));
         notes.extend(strategy_why);
         notes.extend(samples::notes(&options, &attachments));

@@ -127,6 +127,13 @@ pub struct Options {
     pub overlay: bool,
     /// What is drawn: the picture, or what the G-buffer holds.
     pub show: Show,
+    /// The final image holds what another frame has drawn to it, and what is outside of the part that this one draws stays
+    /// ([`Renderer::record_part`](crate::gpu::Renderer::record_part)).
+    pub output_is_kept: bool,
+    /// In place of the picture, its absolute difference from another one of the same size
+    /// ([`Renderer::create_target_beside`](crate::gpu::Renderer::create_target_beside)), amplified by this: in bytes of what displays
+    /// are told, in floats of light.
+    pub difference: Option<f32>,
 }
 
 impl Default for Options {
@@ -170,6 +177,8 @@ impl Default for Options {
             refraction: Refraction::None,
             overlay: false,
             show: Show::Picture,
+            output_is_kept: false,
+            difference: None,
         }
     }
 }

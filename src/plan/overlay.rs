@@ -3,20 +3,18 @@
 use super::{Attachment, BloomWay, Options, Pass};
 use crate::{Error, Result};
 
-/// What draws over the picture writes nothing else.
+/// What draws over the picture writes nothing else but what leaves the light that bloom stores as it is.
 pub(super) fn check(options: &Options, passes: &[Pass]) -> Result<()> {
     let last = passes.last().and_then(|pass| pass.subpasses.last());
-    let besides = last.filter(|subpass| options.overlay && subpass.colors.len() > 1);
+    let stored = usize::from(options.bloom == BloomWay::Store);
+    let besides = last.filter(|subpass| options.overlay && subpass.colors.len() > 1 + stored);
     let Some(subpass) = besides else { return Ok(()) };
     Err(Error::unsupported(
         format!(
             "an overlay cannot be drawn at the end of '{}', which writes more than the picture",
             subpass.name
         ),
-        match options.bloom {
-            BloomWay::Store => "use --bloom previous",
-            _ => "leave the overlay out",
-        },
+        "leave the overlay out",
     ))
 }
 
@@ -26,6 +24,7 @@ pub(super) fn note(options: &Options, passes: &[Pass]) -> Option<String> {
     let after = match (options.edge_filter, options.bloom) {
         (true, _) => ", before edges are smoothed, its own too",
         (_, BloomWay::Previous) => "; what it shows is scattered too",
+        (_, BloomWay::Store) => "; the light that is stored for bloom is without it",
         _ => "",
     };
     Some(format!(

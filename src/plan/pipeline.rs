@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::stage::{BACKDROP, FOG, Frame, LAYERS, MEDIA, PARTICLES, PEEL, TRANSLUCENCY, Use};
+use super::stage::{BACKDROP, DIFFERENCE, FOG, Frame, LAYERS, MEDIA, PARTICLES, PEEL, TRANSLUCENCY, Use};
 use super::{DecalKind, Edges, LightWay, Needs, ParticleKind, SurfaceKind, VolumeShape, lights, show};
 
 /// A graphics pipeline that a frame needs.
@@ -68,6 +68,8 @@ pub enum Pipeline {
     Show,
     /// [`Self::Show`] of marked pixels.
     ShowEdges,
+    /// Writes how far the picture is from another one.
+    Difference,
 }
 
 impl Pipeline {
@@ -90,6 +92,7 @@ impl Pipeline {
                 | Self::Composite
                 | Self::Backdrop
                 | Self::Show
+                | Self::Difference
         );
         let edges = matches!(self, Self::Edges | Self::EdgeLighting | Self::EdgeVolume(_));
         whole || edges || matches!(self, Self::LightVolume(_) | Self::Peel { .. })
@@ -191,6 +194,7 @@ pub(super) fn of(
         let all = [(marks, Pipeline::Edges), (true, Pipeline::Show), (marks, Pipeline::ShowEdges)];
         all.into_iter().filter(|(exists, _)| *exists).map(move |(_, p)| (s, p))
     });
+    let difference = stage(DIFFERENCE).map(|s| (s, Pipeline::Difference));
     let overlay = has_overlay.then_some((frame.stages.len() - 1, Pipeline::Overlay));
-    shaded.chain(translucency).chain(tonemap).chain(shown).chain(overlay).collect()
+    shaded.chain(translucency).chain(tonemap).chain(shown).chain(difference).chain(overlay).collect()
 }

@@ -193,6 +193,12 @@ pub(super) fn check(options: &Options, needs: &Needs, path: Path) -> Result<()> 
     };
     share("the share of light that bloom scatters (--bloom-strength)", options.bloom_strength, true)?;
     share("the reach of bloom (--bloom-radius)", options.bloom_radius, false)?;
+    if options.output_is_kept && (options.bloom != BloomWay::Off || options.edge_filter) {
+        return Err(Error::unsupported(
+            "passes after the frame's own draw the whole picture, and a part of it is another frame's",
+            "leave --bloom and --edge-filter out",
+        ));
+    }
     let none_sees_all = needs.lit.is_none() || path == Path::Forward;
     if options.bloom != BloomWay::Off && none_sees_all {
         return Err(Error::unsupported(
@@ -260,7 +266,9 @@ impl Plan {
     /// Bytes a pixel that all of it loads (first) and stores (second).
     pub fn post_totals(&self) -> [f64; 2] {
         let all = self.post.passes.iter().map(|pass| self.post_traffic(pass));
-        all.fold([self.scattered_bytes(), 0.0], |[l, s], [loaded, stored]| [l + loaded, s + stored])
+        all.fold([self.scattered_bytes() + self.compared_bytes(), 0.0], |[l, s], [loaded, stored]| {
+            [l + loaded, s + stored]
+        })
     }
 
     /// What the ledger prints of it; nothing where there is none.

@@ -29,6 +29,7 @@ impl Scene {
             let keep = most_important(&self.lights, bounds, most, |light| !light.is_dark());
             let mut index = 0..;
             self.lights.retain(|_| index.next().is_some_and(|i| keep[i]));
+            self.motion.iter_mut().for_each(|motion| motion.keep_lights(&keep));
             let n = shining - most;
             self.warnings.push(format!(
                 "scene: {n} of {shining} lights {} left out, the least important: at most {most} are allowed",

@@ -10,6 +10,7 @@ mod check;
 mod decal;
 mod deformation;
 mod environment;
+mod flight;
 mod globe_layers;
 mod gltf;
 mod ktx;
@@ -36,6 +37,7 @@ pub(crate) use deformation::Posed;
 pub(crate) use deformation::PosedBounds;
 pub use deformation::{Deformation, Influence, MorphTarget, Pose};
 pub use environment::Environment;
+pub use flight::{Flight, FlightKey};
 pub use globe_layers::GlobeLayers;
 #[cfg(feature = "measure")]
 pub(crate) use gltf::edit;

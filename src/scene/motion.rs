@@ -244,6 +244,16 @@ impl Motion {
         }
     }
 
+    /// Lets go of lights that are not kept, and finds the others at their places after that.
+    pub(super) fn keep_lights(&mut self, keep: &[bool]) {
+        self.followers.retain_mut(|follower| {
+            let Follows::Light(index) = &mut follower.what else { return true };
+            let is_kept = keep[*index];
+            *index = keep[..*index].iter().filter(|keep| **keep).count();
+            is_kept
+        });
+    }
+
     /// Lets go of an element of a scene.
     pub(super) fn leave(&mut self, kind: Kind, index: usize) {
         self.followers.retain(|follower| match follower.what {

@@ -12,25 +12,37 @@ use winit::event::{ElementState, StartCause, TouchPhase, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
+use super::compare::{Compare, Divider, GAIN, How, MIDDLE};
+use super::course::Course;
 use super::frames::{Drawn, Frames};
 use super::hand::Hand;
 use super::keys::{HELP, Keys, Wish};
 use super::overlay::Overlay;
+use super::player::Player;
+#[cfg(feature = "shader-compiler")]
+use super::reload::Reload;
 use super::rig::{Motion, Rig};
 use super::steps::Steps;
 use super::{Viewer, no_window};
 use crate::gpu::{View, WindowHandles};
 use crate::plan::Options;
-use crate::scene::Scene;
+use crate::scene::{Scene, World};
 use crate::{Error, Result};
 
 /// A viewer that runs.
 pub(super) struct App {
     pub(super) viewer: Viewer,
-    pub(super) scene: Arc<Scene>,
+    pub(super) world: World,
+    /// Of a scene that moves.
+    pub(super) player: Option<Player>,
     pub(super) open: Option<Open>,
     pub(super) rig: Rig,
+    pub(super) course: Course,
+    /// The file of the camera path that was recorded last.
+    pub(super) recorded: Option<PathBuf>,
     pub(super) steps: Steps,
+    #[cfg(feature = "shader-compiler")]
+    pub(super) reload: Option<Reload>,
     /// What the script says of the window's size, where the system would not do it.
     pub(super) is_minimised: bool,
     /// The system has the window's surface.
@@ -40,12 +52,14 @@ pub(super) struct App {
     wake: EventLoopProxy<()>,
     loading: Option<Receiver<(PathBuf, Result<Scene>)>>,
     /// What was loaded and not shown yet.
-    loaded: Option<(PathBuf, Arc<Scene>)>,
+    loaded: Option<(PathBuf, Scene)>,
     pub(super) is_occluded: bool,
     clock: Clock,
     /// What the user was told last.
     pub(super) message: RefCell<String>,
     pub(super) asks_help: bool,
+    pub(super) compare: Compare,
+    pub(super) divider: Divider,
     /// Why the window closes.
     failed: Option<Error>,
 }
@@ -65,17 +79,38 @@ struct Clock {
     frames: u32,
 }
 
+/// A file's name that is not taken.
+pub(super) fn free_name(extension: &str) -> PathBuf {
+    let name = |n: u32| PathBuf::from(format!("ontile-{n:04}.{extension}"));
+    (1..10_000).map(name).find(|path| !path.exists()).unwrap_or_else(|| name(10_000))
+}
+
+/// A frame plays no more seconds than this, however long the one before was.
+const MOST_PLAYED_S: f64 = 1.0;
+
+/// The number of the camera with this number or name.
+fn camera_index(scene: &Scene, wanted: &str) -> Result<usize> {
+    let camera = scene.camera(wanted)?;
+    Ok(scene.cameras.iter().position(|one| std::ptr::eq(one, camera)).unwrap_or(0))
+}
+
 impl App {
-    pub(super) fn new(mut viewer: Viewer, scene: Scene, wake: EventLoopProxy<()>) -> Self {
-        let wanted = viewer.camera.as_deref().unwrap_or("0");
-        let camera = scene.camera(wanted).unwrap_or(&scene.cameras[0]);
+    pub(super) fn new(mut viewer: Viewer, scene: Scene, wake: EventLoopProxy<()>) -> Result<Self> {
+        let camera = camera_index(&scene, viewer.camera.as_deref().unwrap_or("0"))?;
         let rig = Rig::new(&scene, camera, Motion::Orbit);
+        let Viewer { animation, time_s, script, .. } = &viewer;
+        let player = Player::first(&scene, animation.as_deref(), *time_s, script.is_none())?;
         let now = Instant::now();
         let steps = Steps::new(viewer.script.take());
-        Self {
+        Ok(Self {
             rig,
             steps,
-            scene: Arc::new(scene),
+            player,
+            course: viewer.flight.take().map(Course::flown).unwrap_or_default(),
+            recorded: None,
+            #[cfg(feature = "shader-compiler")]
+            reload: viewer.glsl.take().map(Reload::of_folder),
+            world: scene.into(),
             open: None,
             is_minimised: false,
             is_suspended: false,
@@ -88,19 +123,22 @@ impl App {
             clock: Clock { last: now, told: now, frames: 0 },
             message: RefCell::default(),
             asks_help: false,
+            compare: Compare::default(),
+            divider: Divider::default(),
             failed: None,
             viewer,
-        }
+        })
     }
 
     /// Destroys all, and says how it went.
     pub(super) fn finish(mut self) -> Result<()> {
+        let written = self.end_course();
         let messages = self.open.take().map(|open| open.frames.close()).transpose();
         if let Some(error) = self.failed {
             return Err(error);
         }
         match messages?.unwrap_or_default().as_slice() {
-            [] => Ok(()),
+            [] => written,
             all @ [first, ..] => Err(Error::unsupported(
                 format!("the validation layer has {} messages, first: {first}", all.len()),
                 "report this as a bug of ontile or of the driver",
@@ -123,15 +161,19 @@ impl App {
 
     /// Whether a scene is on its way, and will be shown as things are.
     pub(super) fn is_loading(&self) -> bool {
-        let waits = self.is_minimised || self.is_suspended;
-        self.loading.is_some() || self.loaded.is_some() && !waits
+        self.loading.is_some() || self.loaded.is_some() && self.is_drawn()
+    }
+
+    /// Whether the window has pixels, as far as a script has it.
+    pub(super) fn is_drawn(&self) -> bool {
+        !self.is_minimised && !self.is_suspended
     }
 
     /// Takes a scene that was loaded.
     fn take_loaded(&mut self) {
         let Some(receiver) = &self.loading else { return };
         match receiver.try_recv() {
-            Ok((path, Ok(scene))) => self.loaded = Some((path, Arc::new(scene))),
+            Ok((path, Ok(scene))) => self.loaded = Some((path, scene)),
             Ok((_, Err(error))) => self.tell(&error),
             Err(TryRecvError::Empty) => return,
             Err(TryRecvError::Disconnected) => {
@@ -145,22 +187,11 @@ impl App {
     fn show_loaded(&mut self) {
         let Some((path, scene)) = self.loaded.take() else { return };
         let Some(open) = &mut self.open else { return };
-        match open.frames.show(&scene, &self.viewer.options) {
+        match open.frames.show(&scene, &self.viewer.options, &self.compare) {
             Ok(()) => {
-                self.rig = Rig::new(&scene, &scene.cameras[0], self.rig.motion);
-                (self.scene, self.viewer.scene) = (scene, path);
-            }
-            Err(error) => self.tell(&error),
-        }
-    }
-
-    /// Builds the frame by other options, or goes on with those before.
-    pub(super) fn set_options(&mut self, options: Options) {
-        let Some(open) = &mut self.open else { return };
-        match open.frames.show(&self.scene, &options) {
-            Ok(()) => {
-                self.viewer.options = options;
-                self.message.borrow_mut().clear();
+                self.rig = Rig::new(&scene, 0, self.rig.motion);
+                self.player = Player::new(&scene, !self.steps.is_script());
+                (self.world, self.viewer.scene) = (scene.into(), path);
             }
             Err(error) => self.tell(&error),
         }
@@ -168,8 +199,8 @@ impl App {
 
     /// Looks from one of the scene's cameras.
     pub(super) fn set_camera(&mut self, wanted: &str) -> Result<()> {
-        let camera = self.scene.camera(wanted)?;
-        self.rig = Rig::new(&self.scene, camera, self.rig.motion);
+        let index = camera_index(self.world.scene(), wanted)?;
+        self.rig = Rig::new(self.world.scene(), index, self.rig.motion);
         Ok(())
     }
 
@@ -177,7 +208,7 @@ impl App {
         self.tell_text(&error.to_string());
     }
 
-    fn tell_text(&self, text: &str) {
+    pub(super) fn tell_text(&self, text: &str) {
         self.message.replace(text.to_owned());
         (self.viewer.tell)(text);
     }
@@ -185,7 +216,7 @@ impl App {
     fn create_window(&mut self, events: &ActiveEventLoop) -> Result<Open> {
         let [width, height] = self.viewer.options.size;
         let attributes = Window::default_attributes()
-            .with_title(format!("{} - ontile", self.scene.name))
+            .with_title(format!("{} - ontile", self.world.scene().name))
             .with_inner_size(PhysicalSize::new(width, height));
         let window = Arc::new(events.create_window(attributes).map_err(|e| no_window(&e))?);
         let handles: Arc<dyn WindowHandles> = Arc::clone(&window) as _;
@@ -212,24 +243,29 @@ impl App {
             self.steps.frame_passed();
             return Ok(());
         }
-        if open.frames.shown().is_none() {
+        if open.frames.shown().is_none() || !open.frames.suits() {
             self.show_first()?;
         }
         self.show_loaded();
+        #[cfg(feature = "shader-compiler")]
+        self.take_modules();
         let seconds = self.clock.last.elapsed().as_secs_f32();
         self.clock.last = Instant::now();
         let flight = self.keys.flight();
         if flight != glam::Vec3::ZERO {
             self.rig.fly(flight * seconds.min(0.1));
         }
+        self.play(f64::from(seconds).min(MOST_PLAYED_S));
+        self.steer(f64::from(seconds));
         self.lay_out(seconds);
         let Some(open) = &mut self.open else { return Ok(()) };
         let overlay = open.overlay.as_mut().map(|(overlay, _)| overlay);
         let view = View { camera: &self.rig.camera, exposure_ev: self.viewer.exposure_ev };
         let shot = self.steps.shot();
         open.window.pre_present_notify();
-        match open.frames.draw(&view, shot, overlay)? {
+        match open.frames.draw(&self.world, &view, shot, overlay, &self.compare)? {
             Drawn::Frame => {
+                self.world.clear_changes();
                 self.steps.frame_drawn();
                 self.clock.frames += 1;
                 self.show_rate();
@@ -245,7 +281,7 @@ impl App {
         let elapsed = self.clock.told.elapsed();
         let Some(open) = self.open.as_ref().filter(|_| elapsed > Duration::from_millis(500)) else { return };
         let ms = elapsed.as_secs_f64() * 1e3 / f64::from(self.clock.frames.max(1));
-        open.window.set_title(&format!("{} - ontile - {ms:.1} ms", self.scene.name));
+        open.window.set_title(&format!("{} - ontile - {ms:.1} ms", self.world.scene().name));
         (self.clock.told, self.clock.frames) = (Instant::now(), 0);
     }
 
@@ -259,29 +295,37 @@ impl App {
                 self.set_options(Options { overlay, ..self.viewer.options.clone() });
             }
             Wish::Show(backwards) => self.show_next(backwards),
+            Wish::Split => self.toggle(How::Split(MIDDLE)),
+            Wish::Difference => self.toggle(How::Difference(GAIN)),
             Wish::Motion => {
                 self.rig.motion = match self.rig.motion {
                     Motion::Orbit => Motion::Fly,
                     Motion::Fly => Motion::Orbit,
                 };
             }
-            Wish::Camera(index) if index >= self.scene.cameras.len() => {}
+            Wish::Camera(index) if index >= self.world.scene().cameras.len() => {}
             Wish::Camera(index) => {
-                self.rig = Rig::new(&self.scene, &self.scene.cameras[index], self.rig.motion);
+                self.rig = Rig::new(self.world.scene(), index, self.rig.motion);
             }
             Wish::NextCamera => {
-                let count = self.scene.cameras.len();
-                let now = self.scene.cameras.iter().position(|c| c.name == self.rig.camera.name);
+                let cameras = &self.world.scene().cameras;
+                let count = cameras.len();
+                let now = cameras.iter().position(|c| c.name == self.rig.camera.name);
                 self.wish(Wish::Camera(now.map_or(0, |n| (n + 1) % count)), events);
             }
+            Wish::Play => {
+                let _ = self.control(|controls| controls.is_playing = !controls.is_playing);
+            }
+            Wish::NextAnimation => self.next_animation(),
+            Wish::Step(steps) => self.step_animation(steps),
+            Wish::Hasten(doublings) => self.hasten(doublings),
+            Wish::Course(wish) => self.set_course(wish),
             Wish::Expose(half_stops) => {
                 let ev = self.viewer.exposure_ev + 0.5 * half_stops as f32;
                 self.viewer.exposure_ev = ev.clamp(-64.0, 64.0);
             }
             Wish::Screenshot => {
-                let name = |n: u32| PathBuf::from(format!("ontile-{n:04}.png"));
-                let free = (1..10_000).map(name).find(|path| !path.exists());
-                let path = free.unwrap_or_else(|| name(10_000));
+                let path = free_name("png");
                 self.tell_text(&format!("screenshot: {}", path.display()));
                 self.steps.want_shot(path);
             }
@@ -345,7 +389,8 @@ impl ApplicationHandler for App {
             Some(Open { window, overlay: Some((overlay, _)), .. }) => overlay.event(window, &event),
             _ => false,
         };
-        if !is_taken || is_release(&event) {
+        let is_divider = !is_taken && self.drag_divider(&event);
+        if !(is_taken || is_divider) || is_release(&event) {
             self.hand.event(&event, self.keys.shift(), height_px, &mut self.rig);
         }
         match event {
@@ -355,6 +400,9 @@ impl ApplicationHandler for App {
             }
             WindowEvent::Occluded(is_occluded) => self.is_occluded = is_occluded,
             WindowEvent::Focused(false) => self.keys.release(),
+            WindowEvent::DroppedFile(path) if path.extension().is_some_and(|e| e == "flight") => {
+                self.fly(&path).unwrap_or_else(|error| self.tell(&error));
+            }
             WindowEvent::DroppedFile(path) => self.load(&path),
             WindowEvent::KeyboardInput { event, .. } if !is_taken || !event.state.is_pressed() => {
                 if let Some(wish) = self.keys.event(&event) {

@@ -5,20 +5,24 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::Viewer;
+use super::compare::{Apart, Compare};
 use super::overlay::Overlay;
 use super::shown::Shown;
+#[cfg(feature = "shader-compiler")]
+use crate::gpu::shader::Modules;
 use crate::gpu::{
-    HeadlessOptions, PipelineCache, PresentMode, Presented, Presenter, Renderer, Surface, Swapchain, View,
-    WindowHandles, WindowHost,
+    HeadlessOptions, PipelineCache, PresentMode, Presented, Presenter, Recorder, Renderer, Surface,
+    Swapchain, Target, View, WindowHandles, WindowHost,
 };
 use crate::plan::{Limits, Options};
-use crate::scene::{PreRotation, Scene};
+use crate::scene::{PreRotation, Scene, World};
 use crate::{Error, Result};
 
 /// A window's device and all that is made from it.
 pub(super) struct Frames {
     // In order of destruction; `close` waits for the GPU first.
-    shown: Option<Shown>,
+    /// All that is drawn for a frame, in order.
+    shown: Vec<Shown>,
     swapchain: Option<Swapchain>,
     surface: Option<Rc<Surface>>,
     presenter: Presenter,
@@ -55,6 +59,22 @@ fn prepare(
     overlay.map_or(Ok(()), |overlay| renderer.set_overlay(slot, &overlay.frame()))
 }
 
+/// Brings renderer and target to where the world is; what was the target, of which frames may be on the GPU, if there is another.
+fn follow(
+    shown: &mut Shown,
+    before: Option<&Shown>,
+    images: (&Swapchain, PreRotation),
+    world: &World,
+    recorder: &Recorder<'_>,
+) -> Result<Option<Target>> {
+    if world.changes().is_empty() || !shown.renderer.update(world, recorder)?.new_targets {
+        return Ok(None);
+    }
+    let old = shown.target.take();
+    shown.fit(images, before)?;
+    Ok(old)
+}
+
 /// How pictures are turned, on a screen that is or that is said to be.
 fn turned(swapchain: &Swapchain, pretended: PreRotation) -> PreRotation {
     match swapchain.pre_rotation() {
@@ -87,7 +107,7 @@ impl Frames {
         let cache = PipelineCache::load(host.device())?;
         let presenter = Presenter::new(host.device(), viewer.frames_in_flight)?;
         Ok(Self {
-            shown: None,
+            shown: Vec::new(),
             swapchain: None,
             surface: None,
             presenter,
@@ -104,9 +124,9 @@ impl Frames {
         })
     }
 
-    /// What is shown, once something is.
+    /// What is shown, once something is; of two that are compared, the second.
     pub(super) fn shown(&self) -> Option<&Shown> {
-        self.shown.as_ref()
+        self.shown.last()
     }
 
     /// Width and height of what the images show, while there are some.
@@ -152,7 +172,7 @@ impl Frames {
     /// Gives up what draws the scene, which [`Self::show`] makes anew.
     pub(super) fn release(&mut self) -> Result<()> {
         self.presenter.wait()?;
-        self.shown = None;
+        self.shown.clear();
         Ok(())
     }
 
@@ -181,60 +201,102 @@ impl Frames {
     }
 
     /// Shows a scene by some options from now on. What was shown goes on if that fails.
-    pub(super) fn show(&mut self, scene: &Arc<Scene>, options: &Options) -> Result<()> {
+    pub(super) fn show(&mut self, scene: &Scene, options: &Options, compare: &Compare) -> Result<()> {
         let Some(swapchain) = &self.swapchain else {
             return Err(Error::unsupported("the window has no pixels", "make it larger"));
         };
-        let device = self.host.device();
+        let (device, frames) = (self.host.device(), self.frames_in_flight);
         let images = (swapchain, turned(swapchain, self.pretended));
-        let shown = Shown::new(device, &self.cache, scene, options, images, self.frames_in_flight)?;
+        let mut shown: Vec<Shown> = Vec::new();
+        for options in compare.drawn(options)? {
+            let before = shown.last();
+            shown.push(Shown::new(device, &self.cache, scene, &options, images, frames, before)?);
+        }
         self.cache.store();
-        self.excused.extend(&shown.excused);
+        self.excused.extend(shown.iter().flat_map(|shown| &shown.excused));
         self.presenter.wait()?;
-        self.shown = Some(shown);
+        self.shown = shown;
         self.shows += 1;
         self.stamps_ns.clear();
         Ok(())
     }
 
+    /// Shows the same by other shader modules. What was shown goes on if that fails.
+    #[cfg(feature = "shader-compiler")]
+    pub(super) fn set_modules(
+        &mut self,
+        modules: Modules,
+        scene: &Scene,
+        options: &Options,
+        compare: &Compare,
+    ) -> Result<()> {
+        let others = self.cache.with_modules(modules);
+        let before = std::mem::replace(&mut self.cache, others);
+        let shown = self.show(scene, options, compare);
+        if shown.is_err() {
+            self.cache = before;
+        }
+        shown
+    }
+
+    /// Whether what is shown is for images like these.
+    pub(super) fn suits(&self) -> bool {
+        self.swapchain.iter().all(|swapchain| self.shown.iter().all(|shown| shown.suits(swapchain)))
+    }
+
     /// Draws a frame to images that [`Self::prepare`] has made, and reads it back if that is asked for.
+    ///
+    /// What it shows goes to where the world is, if that is the one that was shown last, and things have changed in it.
     pub(super) fn draw(
         &mut self,
+        world: &World,
         view: &View<'_>,
         shot: Option<&Path>,
         mut overlay: Option<&mut Overlay>,
+        compare: &Compare,
     ) -> Result<Drawn> {
-        let (Some(swapchain), Some(shown)) = (&self.swapchain, &mut self.shown) else {
-            return Ok(Drawn::Nothing);
-        };
-        if !shown.suits(swapchain) {
-            let (scene, options) = (Arc::clone(&shown.scene), shown.renderer.plan().options.clone());
-            self.show(&scene, &options)?;
-            return Ok(Drawn::Again);
+        let Some(swapchain) = &self.swapchain else { return Ok(Drawn::Nothing) };
+        let images = (swapchain, turned(swapchain, self.pretended));
+        for index in 0..self.shown.len() {
+            let (before, rest) = self.shown.split_at_mut(index);
+            if rest[0].target.is_none() {
+                rest[0].fit(images, before.last())?;
+            }
         }
-        if shown.target.is_none() {
-            shown.fit(swapchain, turned(swapchain, self.pretended))?;
-        }
-        let Shown { renderer, recorded, target: Some(target), .. } = shown else { return Ok(Drawn::Nothing) };
-        let pre_rotation = target.pre_rotation();
         let readback = shot.map(|path| Ok::<_, Error>((path, swapchain.readback()?))).transpose()?;
         if let Some(overlay) = overlay.as_mut().filter(|overlay| overlay.has_new_image()) {
             self.presenter.wait()?;
-            overlay.set_image(renderer)?;
+            let over = self.shown.iter_mut().filter(|shown| shown.renderer.plan().options.overlay);
+            over.map(|shown| &mut shown.renderer).try_for_each(|renderer| overlay.set_image(renderer))?;
+            overlay.image_is_set();
         }
-        let stamps_ns = &mut self.stamps_ns;
-        let mut prepared = Ok(());
+        let (stamps_ns, shown, parts) =
+            (&mut self.stamps_ns, &mut self.shown, compare.parts(images.1.size(swapchain.size())));
+        let (mut prepared, mut replaced) = (Ok(()), Vec::new());
         let presented = self.presenter.frame(swapchain, |recorder, slot, image| {
-            prepared = prepare(renderer, slot, &mut recorded[slot], stamps_ns, overlay.as_deref());
-            renderer.record(recorder, slot, target, image, view);
+            for (index, part) in (0..shown.len()).zip(parts) {
+                let (before, rest) = shown.split_at_mut(index);
+                let left = follow(&mut rest[0], before.last(), images, world, recorder);
+                let output = rest[0].output(image);
+                let Shown { renderer, recorded, target: Some(target), .. } = &mut rest[0] else { continue };
+                let overlay = overlay.as_deref().filter(|_| renderer.plan().options.overlay);
+                let ready = left.and_then(|old| {
+                    replaced.extend(old);
+                    prepare(renderer, slot, &mut recorded[slot], stamps_ns, overlay)
+                });
+                prepared = std::mem::replace(&mut prepared, Ok(())).and(ready);
+                if renderer.created(target) {
+                    renderer.record_part(recorder, slot, target, output, view, part);
+                }
+            }
             if let Some((_, readback)) = &readback {
                 swapchain.read(recorder, image, readback);
             }
         })?;
-        prepared?;
-        if readback.is_some() {
+        if readback.is_some() || !replaced.is_empty() {
             self.presenter.wait()?;
         }
+        prepared?;
         match presented {
             Presented::Shown => {}
             // Some systems say so of every frame while the screen is turned.
@@ -249,9 +311,28 @@ impl Frames {
             }
         }
         if let Some((path, readback)) = readback {
-            swapchain.picture(&readback).upright(pre_rotation).write(path)?;
+            swapchain.picture(&readback).upright(images.1).write(path)?;
         }
         Ok(Drawn::Frame)
+    }
+
+    /// Draws the two that are compared one after the other, each whole, and says how far they are apart; nothing without an image.
+    pub(super) fn apart(&mut self, view: &View<'_>) -> Result<Option<Apart>> {
+        let (Some(swapchain), [a, b]) = (&self.swapchain, &mut self.shown[..]) else { return Ok(None) };
+        let pictures = [swapchain.readback()?, swapchain.readback()?];
+        let mut is_drawn = false;
+        self.presenter.frame(swapchain, |recorder, slot, image| {
+            for (shown, picture) in [a, b].into_iter().zip(&pictures) {
+                let Shown { renderer, recorded, target: Some(target), .. } = shown else { return };
+                recorded[slot] = true;
+                renderer.record(recorder, slot, target, image, view);
+                swapchain.read(recorder, image, picture);
+            }
+            is_drawn = true;
+        })?;
+        self.presenter.wait()?;
+        let [a, b] = pictures.each_ref().map(|picture| swapchain.picture(picture));
+        Ok(is_drawn.then(|| Apart::new(&a, &b)))
     }
 
     /// Writes what exists on the device as JSON.

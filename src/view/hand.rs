@@ -128,7 +128,7 @@ mod tests {
         let projection = Projection::Perspective { yfov_rad: 1.0, znear_m: 0.1, zfar_m: None };
         let world_from_view = Mat4::from_translation(vec3(0.0, 0.0, 5.0));
         let camera = Camera { name: String::new(), world_from_view, projection };
-        Rig::new(&Scene::default(), &camera, Motion::Orbit)
+        Rig::new(&Scene { cameras: vec![camera], ..Scene::default() }, 0, Motion::Orbit)
     }
 
     fn eye(rig: &Rig) -> Vec3 {

@@ -12,10 +12,10 @@ impl App {
     /// Shows the first scene; without the overlay if it does not go with the options.
     pub(super) fn show_first(&mut self) -> Result<()> {
         let Some(open) = &mut self.open else { return Ok(()) };
-        match open.frames.show(&self.scene, &self.viewer.options) {
+        match open.frames.show(self.world.scene(), &self.viewer.options, &self.compare) {
             Err(error @ Error::Unsupported { .. }) if self.viewer.options.overlay => {
                 self.viewer.options.overlay = false;
-                open.frames.show(&self.scene, &self.viewer.options)?;
+                open.frames.show(self.world.scene(), &self.viewer.options, &self.compare)?;
                 self.tell(&error);
                 Ok(())
             }
@@ -48,7 +48,10 @@ impl App {
             &Shows {
                 shown,
                 options: &self.viewer.options,
+                compare: &self.compare,
                 exposure_ev: self.viewer.exposure_ev,
+                player: self.player.as_ref(),
+                course: &self.course,
                 size,
                 frame_ms: seconds * 1e3,
                 stamps_ns: frames.stamps_ns(),
@@ -57,8 +60,22 @@ impl App {
             },
         );
         self.viewer.exposure_ev = asked.exposure_ev.unwrap_or(self.viewer.exposure_ev);
+        if let (Some(player), Some(controls)) = (&mut self.player, asked.controls) {
+            player.controls = controls;
+        }
+        if let Some(wish) = asked.course {
+            self.set_course(wish);
+        }
         if let Some((name, value)) = asked.set {
-            self.set_option(name, value);
+            self.set_option(&name, value);
+        }
+        if let Some(how) = asked.how {
+            self.set_how(how);
+        }
+        if asked.measures
+            && let Err(error) = self.measure(None)
+        {
+            self.tell(&error);
         }
         let Some(Open { frames, overlay: Some((overlay, shows)), .. }) = &mut self.open else { return };
         if std::mem::replace(shows, frames.shows()) != frames.shows() {
@@ -71,7 +88,7 @@ impl App {
         let Some(open) = &self.open else { return };
         let options = &self.viewer.options;
         let now = Show::ALL.iter().position(|show| *show == options.show).unwrap_or(0);
-        let (count, needs, limits) = (Show::ALL.len(), Needs::of(&self.scene), open.frames.limits());
+        let (count, needs, limits) = (Show::ALL.len(), Needs::of(self.world.scene()), open.frames.limits());
         let others = (1..count).map(|n| Show::ALL[(now + if backwards { count - n } else { n }) % count]);
         let mut others = others.map(|show| Options { show, ..options.clone() });
         if let Some(next) = others.find(|o| Plan::new(needs.clone(), o.clone(), &limits).is_ok()) {
@@ -79,11 +96,30 @@ impl App {
         }
     }
 
+    /// Builds the frame by other options, or goes on with those before; whether it could be built.
+    pub(super) fn set_options(&mut self, options: Options) -> bool {
+        let Some(open) = &mut self.open else { return false };
+        let shown = open.frames.show(self.world.scene(), &options, &self.compare);
+        match &shown {
+            Ok(()) => {
+                self.viewer.options = options;
+                self.message.borrow_mut().clear();
+            }
+            Err(error) => self.tell(error),
+        }
+        shown.is_ok()
+    }
+
     /// Sets an option by its name, or goes on with those before.
     pub(super) fn set_option(&mut self, name: &str, value: &str) {
+        if let Some(name) = name.strip_prefix("b.") {
+            return self.set_beside(name, value);
+        }
         let mut options = self.viewer.options.clone();
         match options.set(name, value) {
-            Ok(()) => self.set_options(options),
+            Ok(()) => {
+                self.set_options(options);
+            }
             Err(error) => self.tell(&error),
         }
     }

@@ -6,6 +6,8 @@ use glam::Vec3;
 use winit::event::{ElementState, KeyEvent};
 use winit::keyboard::{KeyCode, PhysicalKey};
 
+use super::course::CourseWish;
+
 /// What keys ask for, once each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Wish {
@@ -21,8 +23,21 @@ pub(super) enum Wish {
     Screenshot,
     Fullscreen,
     Overlay,
+    /// Animations go on, or stop.
+    Play,
+    NextAnimation,
+    /// Stops them, so many steps further.
+    Step(i32),
+    /// So many times twice as fast.
+    Hasten(i32),
+    /// Records or flies a camera path, or stops that.
+    Course(CourseWish),
     /// What else there is to show; whether backwards.
     Show(bool),
+    /// A beside B, or A alone.
+    Split,
+    /// How far they are apart, likewise.
+    Difference,
 }
 
 /// The keys, for people.
@@ -33,14 +48,18 @@ wheel, pinch          nearer and further
 F                     orbit / fly
 F2                    the overlay: times, plan, bytes, options
 G, Shift-G            what is shown: the picture, the G-buffer's channels, lights, edges
+B, V                  two ways to draw it: side by side (drag the divider), or their difference
 W A S D, Q E          fly; with Shift ten times as fast
 1 to 9, C             the scene's cameras, the next camera
 - =                   exposure by half a stop
+space, N              animation: play or stop, the next one
+, .   [ ]             a step back and on; half and twice the speed
+R, T                  record the camera's path, or stop and write it; fly it
 P                     screenshot
 F11                   full screen
 H, F1                 this help
 Esc                   quit
-A scene file that is dropped on the window is opened.";
+A scene file that is dropped on the window is opened, a .flight is flown.";
 
 /// Keys that are held.
 #[derive(Debug, Default)]
@@ -60,12 +79,22 @@ impl Keys {
         match code {
             KeyCode::Minus | KeyCode::NumpadSubtract => Some(Wish::Expose(-1)),
             KeyCode::Equal | KeyCode::NumpadAdd => Some(Wish::Expose(1)),
+            KeyCode::Comma => Some(Wish::Step(-1)),
+            KeyCode::Period => Some(Wish::Step(1)),
             _ if event.repeat => None,
+            KeyCode::Space => Some(Wish::Play),
+            KeyCode::KeyN => Some(Wish::NextAnimation),
+            KeyCode::KeyR => Some(Wish::Course(CourseWish::Record)),
+            KeyCode::KeyT => Some(Wish::Course(CourseWish::Fly)),
+            KeyCode::BracketLeft => Some(Wish::Hasten(-1)),
+            KeyCode::BracketRight => Some(Wish::Hasten(1)),
             KeyCode::Escape => Some(Wish::Quit),
             KeyCode::KeyH | KeyCode::F1 => Some(Wish::Help),
             KeyCode::KeyF => Some(Wish::Motion),
             KeyCode::F2 => Some(Wish::Overlay),
             KeyCode::KeyG => Some(Wish::Show(self.shift())),
+            KeyCode::KeyB => Some(Wish::Split),
+            KeyCode::KeyV => Some(Wish::Difference),
             KeyCode::Digit1 => camera(0),
             KeyCode::Digit2 => camera(1),
             KeyCode::Digit3 => camera(2),

@@ -14,12 +14,17 @@
 #[cfg(all(feature = "android", target_os = "android"))]
 mod android;
 mod app;
+mod compare;
+mod course;
 mod frames;
 mod hand;
 mod interface;
 mod keys;
 mod overlay;
 mod panels;
+mod player;
+#[cfg(any(test, feature = "shader-compiler"))]
+mod reload;
 mod rig;
 mod script;
 mod shown;
@@ -36,7 +41,7 @@ pub use script::Script;
 
 use crate::environment::{Cache, DEFAULT_FACE_SIZE, TexelFormat};
 use crate::plan::Options;
-use crate::scene::Scene;
+use crate::scene::{Flight, Scene};
 use crate::{Error, Result};
 
 /// How a scene file becomes a scene, on any thread.
@@ -54,6 +59,15 @@ pub struct Viewer {
     pub exposure_ev: f32,
     /// The camera to begin with, by its number or name; the first by default.
     pub camera: Option<String>,
+    /// The animation to begin with, by its number or name, or `all` at once; the first by default.
+    pub animation: Option<String>,
+    /// Where in it the scene stands to begin with, seconds. By default it is played from its begin, unless there is a script.
+    pub time_s: Option<f64>,
+    /// Flown to begin with.
+    pub flight: Option<Flight>,
+    /// A folder of GLSL whose changes are drawn with: what has changed is compiled while frames go on.
+    #[cfg(feature = "shader-compiler")]
+    pub glsl: Option<PathBuf>,
     /// When frames are shown.
     pub present: PresentMode,
     /// Frames on the GPU at a time, at least 1.
@@ -72,7 +86,7 @@ impl Viewer {
     /// Shows a scene with default options and the overlay.
     pub fn new(scene: impl Into<PathBuf>) -> Self {
         let load = |path: &Path| {
-            let mut scene = Scene::load(path)?;
+            let mut scene = Scene::load_moving(path)?;
             for environment in scene.environments_mut() {
                 environment.prefilter(DEFAULT_FACE_SIZE, TexelFormat::E5B9G9R9, Cache::of_user().as_ref());
             }
@@ -84,6 +98,11 @@ impl Viewer {
             options: Options { overlay: true, ..Options::default() },
             exposure_ev: 0.0,
             camera: None,
+            animation: None,
+            time_s: None,
+            flight: None,
+            #[cfg(feature = "shader-compiler")]
+            glsl: None,
             present: PresentMode::Fifo,
             frames_in_flight: 2,
             device: None,
@@ -112,9 +131,8 @@ impl Viewer {
     /// As [`Self::run`].
     pub fn run_on(self, events: EventLoop<()>) -> Result<()> {
         let scene = (self.load)(&self.scene)?;
-        // A camera that is not there is told before there is a window.
-        scene.camera(self.camera.as_deref().unwrap_or("0"))?;
-        let mut app = app::App::new(self, scene, events.create_proxy());
+        // A camera or an animation that is not there is told before there is a window.
+        let mut app = app::App::new(self, scene, events.create_proxy())?;
         let ran = events.run_app(&mut app).map_err(|e| no_window(&e));
         let done = app.finish();
         ran.and(done)

@@ -76,10 +76,13 @@ impl Overlay {
         self.atlas.has_changed && !self.atlas.texels.is_empty()
     }
 
-    pub(super) fn set_image(&mut self, renderer: &mut Renderer) -> Result<()> {
-        renderer.set_overlay_image(self.atlas.size.map(|n| n as u32), &self.atlas.texels)?;
+    pub(super) fn set_image(&self, renderer: &mut Renderer) -> Result<()> {
+        renderer.set_overlay_image(self.atlas.size.map(|n| n as u32), &self.atlas.texels)
+    }
+
+    /// All that draw it have its image.
+    pub(super) fn image_is_set(&mut self) {
         self.atlas.has_changed = false;
-        Ok(())
     }
 
     /// The triangles of the last [`Self::lay_out`].

@@ -7,7 +7,10 @@ use egui::{
     vec2,
 };
 
+use super::compare::{Compare, GAIN, How, MIDDLE};
+use super::course::{Course, CourseWish};
 use super::keys::HELP;
+use super::player::{Controls, Player};
 use super::shown::Shown;
 use crate::gpu::ExplainedKind;
 use crate::plan::{Layout, LightWay, Load, Options, Plan, Show, Store, Strategy, Tonemap, heat};
@@ -16,7 +19,11 @@ use crate::plan::{Layout, LightWay, Load, Options, Plan, Show, Store, Strategy, 
 pub(super) struct Shows<'a> {
     pub(super) shown: &'a Shown,
     pub(super) options: &'a Options,
+    pub(super) compare: &'a Compare,
     pub(super) exposure_ev: f32,
+    /// Of a scene that moves.
+    pub(super) player: Option<&'a Player>,
+    pub(super) course: &'a Course,
     /// Of the picture, pixels.
     pub(super) size: [u32; 2],
     /// Between the last two frames.
@@ -32,8 +39,13 @@ pub(super) struct Shows<'a> {
 #[derive(Default)]
 pub(super) struct Asked {
     /// An option by its name, and its value.
-    pub(super) set: Option<(&'static str, &'static str)>,
+    pub(super) set: Option<(String, &'static str)>,
+    pub(super) how: Option<How>,
+    /// How far A and B are apart.
+    pub(super) measures: bool,
     pub(super) exposure_ev: Option<f32>,
+    pub(super) controls: Option<Controls>,
+    pub(super) course: Option<CourseWish>,
 }
 
 /// What panels remember.
@@ -86,10 +98,16 @@ impl Panels {
                     }
                     self.times(ui, shows);
                     switches(ui, shows, &mut asked);
-                    if shows.options.show == Show::Lights {
+                    comparing(ui, shows, &mut asked);
+                    if let Some(player) = shows.player {
+                        section(ui, "Animation", true, |ui| asked.controls = player.panel(ui));
+                    }
+                    section(ui, "Camera path", false, |ui| asked.course = shows.course.panel(ui));
+                    if shows.shown.renderer.plan().options.show == Show::Lights {
                         legend(ui);
                     }
-                    section(ui, "Plan", true, |ui| plan(ui, shows.shown.renderer.plan()));
+                    let title = if shows.compare.how == How::Alone { "Plan" } else { "Plan of B" };
+                    section(ui, title, true, |ui| plan(ui, shows.shown.renderer.plan()));
                     section(ui, "Bytes", true, |ui| bytes(ui, shows, mean(&self.frames_ms)));
                     section(ui, "Every object and its reason", false, |ui| objects(ui, shows.shown));
                     section(ui, "Notes", false, |ui| {
@@ -101,6 +119,7 @@ impl Panels {
             },
         );
         name_strips(context, shows);
+        divider(context, shows);
         asked
     }
 
@@ -160,20 +179,7 @@ fn history(ui: &mut Ui, frames_ms: &VecDeque<f32>, gpu_ms: &VecDeque<f32>) {
 fn switches(ui: &mut Ui, shows: &Shows<'_>, asked: &mut Asked) {
     section(ui, "Options", true, |ui| {
         egui::Grid::new("options").num_columns(4).show(ui, |ui| {
-            for (i, (name, values, value)) in SWITCHES.iter().enumerate() {
-                let now = value(shows.options);
-                ui.label(*name);
-                ComboBox::from_id_salt(*name).width(110.0).selected_text(now.as_str()).show_ui(ui, |ui| {
-                    for value in values() {
-                        if ui.selectable_label(now == value, value).clicked() {
-                            asked.set = Some((name, value));
-                        }
-                    }
-                });
-                if i % 2 == 1 {
-                    ui.end_row();
-                }
-            }
+            choices(ui, "", shows.options, asked);
             ui.label("exposure");
             let mut ev = shows.exposure_ev;
             if ui.add(egui::DragValue::new(&mut ev).speed(0.05).range(-64.0..=64.0).suffix(" EV")).changed() {
@@ -181,6 +187,62 @@ fn switches(ui: &mut Ui, shows: &Shows<'_>, asked: &mut Asked) {
             }
         });
     });
+}
+
+/// A box for each of the switches; names begin like this.
+fn choices(ui: &mut Ui, prefix: &str, options: &Options, asked: &mut Asked) {
+    for (i, (name, values, value)) in SWITCHES.iter().enumerate() {
+        let (now, name) = (value(options), format!("{prefix}{name}"));
+        ui.label(&name);
+        ComboBox::from_id_salt(&name).width(110.0).selected_text(now.as_str()).show_ui(ui, |ui| {
+            for value in values() {
+                if ui.selectable_label(now == value, value).clicked() {
+                    asked.set = Some((name.clone(), value));
+                }
+            }
+        });
+        if i % 2 == 1 {
+            ui.end_row();
+        }
+    }
+}
+
+/// A beside B.
+fn comparing(ui: &mut Ui, shows: &Shows<'_>, asked: &mut Asked) {
+    section(ui, "A and B", false, |ui| {
+        let now = shows.compare.how;
+        ui.horizontal(|ui| {
+            for (name, how) in
+                [("A", How::Alone), ("A | B", How::Split(MIDDLE)), ("A - B", How::Difference(GAIN))]
+            {
+                let is_now = std::mem::discriminant(&now) == std::mem::discriminant(&how);
+                if ui.selectable_label(is_now, name).clicked() && !is_now {
+                    asked.how = Some(how);
+                }
+            }
+            asked.measures = ui.button("measure").clicked();
+        });
+        if let How::Difference(gain) = now {
+            let mut gain = gain;
+            let slider = egui::Slider::new(&mut gain, 1.0..=256.0).logarithmic(true).text("times");
+            if ui.add(slider).drag_stopped() {
+                asked.how = Some(How::Difference(gain));
+            }
+        }
+        let Ok(options) = shows.compare.beside(shows.options) else { return };
+        egui::Grid::new("beside").num_columns(4).show(ui, |ui| choices(ui, "b.", &options, asked));
+    });
+}
+
+/// The line between A and B, and which is which.
+fn divider(context: &egui::Context, shows: &Shows<'_>) {
+    let How::Split(share) = shows.compare.how else { return };
+    let (rect, painter) = (context.content_rect(), context.layer_painter(LayerId::background()));
+    let x = rect.left() + rect.width() * share;
+    painter.vline(x, rect.y_range(), Stroke::new(2.0, Color32::WHITE));
+    for (name, align, by) in [("A", Align2::RIGHT_TOP, -8.0), ("B", Align2::LEFT_TOP, 8.0)] {
+        painter.text(pos2(x + by, rect.top() + 8.0), align, name, FontId::proportional(18.0), Color32::WHITE);
+    }
 }
 
 /// What colours of `--show lights` say.

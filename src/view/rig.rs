@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_PI_2;
 
 use glam::{Mat3, Mat4, Quat, Vec3};
 
-use crate::scene::{Camera, Projection, Scene};
+use crate::scene::{Camera, Flight, Projection, Scene};
 
 /// How a drag turns the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +20,8 @@ pub(super) enum Motion {
 pub(super) struct Rig {
     pub(super) camera: Camera,
     pub(super) motion: Motion,
+    /// The scene's camera that it is, until a hand moves it.
+    index: Option<usize>,
     /// From the camera to what it orbits, metres.
     distance_m: f32,
     /// The scene's extent: how fast it flies, and how near it comes.
@@ -32,8 +34,9 @@ const LEAST_TO_POLE_RAD: f32 = 0.02;
 const LEAST_DISTANCE: f32 = 1e-3;
 
 impl Rig {
-    /// One of a scene's cameras.
-    pub(super) fn new(scene: &Scene, camera: &Camera, motion: Motion) -> Self {
+    /// The camera of a scene with this number.
+    pub(super) fn new(scene: &Scene, index: usize, motion: Motion) -> Self {
+        let camera = &scene.cameras[index];
         let bounds = scene.bounds_world();
         let extent_m = bounds.map_or(1.0, |b| (b.max - b.min).length()).max(1e-6);
         let center = bounds.map_or(Vec3::ZERO, |b| (b.min + b.max) * 0.5);
@@ -41,7 +44,20 @@ impl Rig {
         // What is looked at is about as far away as the scene's middle; of what surrounds the camera, a share.
         let to_center = (center - eye).dot(-camera.world_from_view.z_axis.truncate());
         let distance_m = to_center.max(0.1 * extent_m);
-        Self { camera: camera.clone(), motion, distance_m, extent_m }
+        Self { camera: camera.clone(), motion, index: Some(index), distance_m, extent_m }
+    }
+
+    /// Goes along with the scene's camera, unless a hand has moved it.
+    pub(super) fn follow(&mut self, scene: &Scene) {
+        if let Some(camera) = self.index.and_then(|index| scene.cameras.get(index)) {
+            self.camera.world_from_view = camera.world_from_view;
+        }
+    }
+
+    /// Goes to where a flight is after so many seconds.
+    pub(super) fn fly_along(&mut self, flight: &Flight, seconds: f64) {
+        self.index = None;
+        flight.place(&mut self.camera, seconds);
     }
 
     fn eye(&self) -> Vec3 {
@@ -86,6 +102,7 @@ impl Rig {
         if let Projection::Orthographic { xmag_m, ymag_m, .. } = &mut self.camera.projection {
             let least = LEAST_DISTANCE * self.extent_m;
             let factor = if *ymag_m * factor < least { 1.0 } else { factor };
+            self.index = None;
             (*xmag_m, *ymag_m) = (*xmag_m * factor, *ymag_m * factor);
             return;
         }
@@ -114,6 +131,7 @@ impl Rig {
         let up = back.cross(right);
         let placed = Mat4::from_cols(right.extend(0.0), up.extend(0.0), back.extend(0.0), eye.extend(1.0));
         if placed.is_finite() {
+            self.index = None;
             self.camera.world_from_view = placed;
         }
     }
@@ -130,7 +148,7 @@ mod tests {
             world_from_view: Mat4::from_translation(vec3(0.0, 0.0, 5.0)),
             projection: Projection::Perspective { yfov_rad: 1.0, znear_m: 0.1, zfar_m: None },
         };
-        Rig { camera, motion, distance_m: 5.0, extent_m: 10.0 }
+        Rig { camera, motion, index: None, distance_m: 5.0, extent_m: 10.0 }
     }
 
     #[track_caller]

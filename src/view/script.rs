@@ -16,7 +16,18 @@ use crate::{Error, Result};
 /// | `size WxH` | makes the window so many pixels large; `0x0` is as if it were minimised |
 /// | `open FILE` | opens a scene, and goes on when that is done or has failed |
 /// | `set OPTION VALUE` | sets one of the [`Options`](crate::plan::Options) by its name, as [`Options::set`](crate::plan::Options::set) |
+/// | `set b.OPTION VALUE` | likewise of B, which has A's options but for those that are set so |
+/// | `split SHARE\|off` | shows A left of this share of the width and B right of it; off: A alone |
+/// | `difference GAIN\|off` | shows how far A and B are apart, amplified |
+/// | `measure FILE` | writes how far they are apart as JSON: the most of 255, and the PSNR |
 /// | `camera N\|NAME` | looks from one of the scene's cameras |
+/// | `time SECONDS` | shows the scene's animation at this time; it stands until `play` |
+/// | `animation N\|NAME\|all` | takes this one of the scene's animations, or all at once |
+/// | `play`, `pause` | lets it go on, from its begin after its end, or stops it |
+/// | `speed FACTOR` | plays so many seconds of it a second |
+/// | `record FILE`, `stop` | records the camera's path as a [`Flight`](crate::scene::Flight), a key a frame, and writes it |
+/// | `fly FILE` | flies such a path, and goes on at its end |
+/// | `reload` | compiles what has changed of the folder of GLSL, and goes on when that is done or has failed |
 /// | `exposure EV` | sets the exposure, stops |
 /// | `drag X Y` | turns the camera as if a pointer went so many pixels to the right and down |
 /// | `screenshot FILE` | shows a frame and writes it |
@@ -38,11 +49,22 @@ pub(super) enum Step {
     Open(PathBuf),
     Set(String, String),
     Camera(String),
+    Time(f64),
+    Animation(String),
+    Play(bool),
+    Speed(f64),
+    Record(PathBuf),
+    Stop,
+    Fly(PathBuf),
+    Reload,
     Exposure(f32),
     Drag([f32; 2]),
     Screenshot(PathBuf),
     Live(PathBuf),
     Overlay(bool),
+    Split(Option<f32>),
+    Difference(Option<f32>),
+    Measure(PathBuf),
     Turn(PreRotation),
     LowMemory,
     Suspend,
@@ -103,6 +125,16 @@ fn step(line: &str) -> Result<Step, String> {
         }
         "camera" if rest.is_empty() => Err(needs("a camera's number or name")),
         "camera" => Ok(Step::Camera(rest.into())),
+        "animation" if rest.is_empty() => Err(needs("an animation's number or name, or all")),
+        "animation" => Ok(Step::Animation(rest.into())),
+        "time" => finite(rest).map(Step::Time).ok_or_else(|| needs("a number of seconds")),
+        "speed" => finite(rest).map(Step::Speed).ok_or_else(|| needs("a factor")),
+        "play" => alone(Step::Play(true)),
+        "pause" => alone(Step::Play(false)),
+        "record" => file().map(Step::Record),
+        "stop" => alone(Step::Stop),
+        "reload" => alone(Step::Reload),
+        "fly" => file().map(Step::Fly),
         "exposure" => number(rest).map(Step::Exposure).ok_or_else(|| needs("a number of stops")),
         "drag" => {
             let pair = rest.split_once(char::is_whitespace);
@@ -111,6 +143,14 @@ fn step(line: &str) -> Result<Step, String> {
         }
         "screenshot" => file().map(Step::Screenshot),
         "live" => file().map(Step::Live),
+        "split" | "difference" => {
+            let (is_split, off) = (command == "split", rest == "off");
+            let value = number(rest).filter(|n| if is_split { (0.0..=1.0).contains(n) } else { *n > 0.0 });
+            let what = if is_split { "a share of the width, 0 to 1, or off" } else { "a factor, or off" };
+            let value = if off { None } else { Some(value.ok_or_else(|| needs(what))?) };
+            Ok(if is_split { Step::Split(value) } else { Step::Difference(value) })
+        }
+        "measure" => file().map(Step::Measure),
         "overlay" if rest == "on" => Ok(Step::Overlay(true)),
         "overlay" if rest == "off" => Ok(Step::Overlay(false)),
         "overlay" => Err(needs("on or off")),
@@ -133,25 +173,42 @@ fn number(text: &str) -> Option<f32> {
     f32::from_str(text).ok().filter(|number| number.is_finite())
 }
 
+fn finite(text: &str) -> Option<f64> {
+    f64::from_str(text).ok().filter(|number| number.is_finite())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn lines_are_commands() {
-        let text = "size 640x360 # at first\n\n  frames 3\nset layout packed128\nopen a b.glb\ncamera 1\nexposure -1.5\n\
-                    drag 10 -4\nscreenshot o.png\nlive l.json\noverlay on\nturn 90\nlow-memory\nsuspend\nresume\nstay\n";
+        let text = "size 640x360 # at first\n\n  frames 3\nset layout packed128\nopen a b.glb\ncamera 1\ntime 0.5\nanimation all\nplay\nspeed -2\npause\nrecord a.flight\nstop\nfly a.flight\nreload\nexposure -1.5\n\
+                    drag 10 -4\nscreenshot o.png\nlive l.json\noverlay on\nsplit 0.25\ndifference 8\nsplit off\nmeasure m.json\nturn 90\nlow-memory\nsuspend\nresume\nstay\n";
         let expected = [
             Step::Size([640, 360]),
             Step::Frames(3),
             Step::Set("layout".into(), "packed128".into()),
             Step::Open("a b.glb".into()),
             Step::Camera("1".into()),
+            Step::Time(0.5),
+            Step::Animation("all".into()),
+            Step::Play(true),
+            Step::Speed(-2.0),
+            Step::Play(false),
+            Step::Record("a.flight".into()),
+            Step::Stop,
+            Step::Fly("a.flight".into()),
+            Step::Reload,
             Step::Exposure(-1.5),
             Step::Drag([10.0, -4.0]),
             Step::Screenshot("o.png".into()),
             Step::Live("l.json".into()),
             Step::Overlay(true),
+            Step::Split(Some(0.25)),
+            Step::Difference(Some(8.0)),
+            Step::Split(None),
+            Step::Measure("m.json".into()),
             Step::Turn(PreRotation::Rotate90),
             Step::LowMemory,
             Step::Suspend,
@@ -167,9 +224,15 @@ mod tests {
             ("open", "needs a file"),
             ("set layout", "an option and its value"),
             ("camera", "number or name"),
+            ("time inf", "number of seconds"),
+            ("animation", "number or name"),
+            ("play now", "stands alone"),
+            ("speed", "a factor"),
             ("exposure nan", "number of stops"),
             ("drag 1", "two numbers"),
             ("overlay", "on or off"),
+            ("split 2", "share of the width"),
+            ("difference 0", "a factor"),
             ("turn 45", "90, 180"),
             ("stay here", "stands alone"),
             ("jump", "no command 'jump'"),

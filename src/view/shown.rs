@@ -1,11 +1,9 @@
 //! A scene and what draws it.
 
-use std::sync::Arc;
-
 use crate::Result;
 use crate::gpu::{
-    Commands, Device, Explanation, PipelineCache, Renderer, RendererConfig, Swapchain, Target,
-    expected_advice,
+    Commands, Device, Explanation, Image, ImageDesc, OutputImage, PipelineCache, Renderer, RendererConfig,
+    Swapchain, Target, expected_advice,
 };
 use crate::plan::{Needs, Options, OutputUse, Plan, Report};
 use crate::scene::{PreRotation, Scene};
@@ -14,8 +12,9 @@ use crate::scene::{PreRotation, Scene};
 pub(super) struct Shown {
     // In order of destruction.
     pub(super) target: Option<Target>,
+    /// What it draws to in the window's place, if another picture is compared with it.
+    own: Option<Image>,
     pub(super) renderer: Renderer,
-    pub(super) scene: Arc<Scene>,
     /// Whether a frame was recorded with each slot.
     pub(super) recorded: Vec<bool>,
     pub(super) explanation: Explanation,
@@ -29,10 +28,11 @@ impl Shown {
     pub(super) fn new(
         device: &Device,
         cache: &PipelineCache,
-        scene: &Arc<Scene>,
+        scene: &Scene,
         options: &Options,
         (swapchain, pre_rotation): (&Swapchain, PreRotation),
         frames_in_flight: usize,
+        before: Option<&Self>,
     ) -> Result<Self> {
         let options = of_window(options, swapchain);
         let plan = Plan::new(Needs::of(scene), options, &device.limits())?;
@@ -49,9 +49,8 @@ impl Shown {
         })?;
         renderer.finish_upload();
         let recorded = vec![false; renderer.frames_in_flight()];
-        let scene = Arc::clone(scene);
-        let mut shown = Self { target: None, renderer, scene, recorded, explanation, report, excused };
-        shown.fit(swapchain, pre_rotation)?;
+        let mut shown = Self { target: None, own: None, renderer, recorded, explanation, report, excused };
+        shown.fit((swapchain, pre_rotation), before)?;
         Ok(shown)
     }
 
@@ -62,13 +61,41 @@ impl Shown {
             == (swapchain.format(), swapchain.is_input_attachment())
     }
 
-    /// Makes the target of these images; no frame to the former one is on the GPU.
-    pub(super) fn fit(&mut self, swapchain: &Swapchain, pre_rotation: PreRotation) -> Result<()> {
+    /// Makes the target of these images; no frame to the former one is on the GPU. `before` draws what this is compared with.
+    pub(super) fn fit(
+        &mut self,
+        (swapchain, pre_rotation): (&Swapchain, PreRotation),
+        before: Option<&Self>,
+    ) -> Result<()> {
         self.target = None;
-        let mut target = self.renderer.create_target(swapchain.size(), &swapchain.outputs())?;
+        let renderer = &self.renderer;
+        let size = swapchain.size();
+        let other = before.and_then(|before| before.own.as_ref());
+        let mut target = match (renderer.plan().options.output_use, other) {
+            (OutputUse::Present, None) => renderer.create_target(size, &swapchain.outputs())?,
+            (OutputUse::Present, Some(other)) => {
+                renderer.create_target_beside(size, &swapchain.outputs(), other.view())?
+            }
+            _ => {
+                let own = match self.own.take().filter(|own| own.size() == size) {
+                    Some(own) => own,
+                    None => {
+                        let (format, usage) = (renderer.output_format(), renderer.output_usage());
+                        Image::new(renderer.device(), &ImageDesc::new("compared", format, size, usage))?
+                    }
+                };
+                let own = self.own.insert(own);
+                renderer.create_target(size, &[OutputImage { image: own.raw(), view: own.view() }])?
+            }
+        };
         target.pre_rotate(pre_rotation);
         self.target = Some(target);
         Ok(())
+    }
+
+    /// The image among the target's that the window's n-th is drawn to, or from.
+    pub(super) fn output(&self, image: usize) -> usize {
+        if self.own.is_some() { 0 } else { image }
     }
 }
 
@@ -77,7 +104,10 @@ fn of_window(options: &Options, swapchain: &Swapchain) -> Options {
     Options {
         size: swapchain.size(),
         output: swapchain.format(),
-        output_use: OutputUse::Present,
+        output_use: match options.output_use {
+            OutputUse::Sample => OutputUse::Sample,
+            _ => OutputUse::Present,
+        },
         output_is_input_attachment: swapchain.is_input_attachment(),
         ..options.clone()
     }

@@ -9,7 +9,10 @@ use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
 
 use super::app::App;
+use super::compare::How;
 use super::hand;
+#[cfg(feature = "shader-compiler")]
+use super::reload::Reload;
 use super::script::{Script, Step};
 use crate::plan::Options;
 use crate::{Error, Result};
@@ -30,6 +33,9 @@ enum Wait {
     Frames(u32),
     Shot,
     Loading,
+    Flight,
+    #[cfg(feature = "shader-compiler")]
+    Modules,
     Size([u32; 2], Instant),
 }
 
@@ -41,6 +47,11 @@ impl Steps {
         let closes = script.is_some();
         let left = script.unwrap_or_default().steps.into();
         Self { left, closes, ..Self::default() }
+    }
+
+    /// Whether nobody but a script is there.
+    pub(super) fn is_script(&self) -> bool {
+        self.closes
     }
 
     /// Whether something is still to be done.
@@ -86,6 +97,10 @@ impl App {
             match &self.steps.wait {
                 Some(Wait::Frames(0)) | None => {}
                 Some(Wait::Loading) if !self.is_loading() => {}
+                #[cfg(feature = "shader-compiler")]
+                Some(Wait::Modules)
+                    if !self.is_drawn() || !self.reload.as_ref().is_some_and(Reload::is_busy) => {}
+                Some(Wait::Flight) if !self.is_drawn() || !self.course.is_flown() => {}
                 Some(Wait::Size(size, since)) => {
                     if self.open.as_ref().and_then(|open| open.frames.size()) != Some(*size) {
                         if since.elapsed() > MOST_WAIT {
@@ -112,6 +127,22 @@ impl App {
         }
     }
 
+    #[cfg(feature = "shader-compiler")]
+    fn compile_changed(&mut self) -> Result<()> {
+        let reload = self.reload.as_mut().ok_or_else(|| {
+            Error::unsupported("no folder of GLSL is watched", "name one: 'ontile view --glsl DIR'")
+        })?;
+        reload.look_now();
+        self.steps.wait = Some(Wait::Modules);
+        Ok(())
+    }
+
+    #[cfg(not(feature = "shader-compiler"))]
+    fn compile_changed(&mut self) -> Result<()> {
+        let what = "this build has no compiler of GLSL";
+        Err(Error::unsupported(what, "build it with the feature shader-compiler"))
+    }
+
     fn run_step(&mut self, step: Step, events: &ActiveEventLoop) -> Result<()> {
         match step {
             Step::Frames(count) => self.steps.wait = Some(Wait::Frames(count)),
@@ -134,6 +165,17 @@ impl App {
             }
             Step::Set(name, value) => self.set_option(&name, &value),
             Step::Camera(wanted) => self.set_camera(&wanted)?,
+            Step::Play(is_playing) => self.control(|controls| controls.is_playing = is_playing)?,
+            Step::Time(time_s) => self.control(|controls| controls.time_s = time_s)?,
+            Step::Speed(speed) => self.control(|controls| controls.speed = speed)?,
+            Step::Animation(wanted) => self.set_animation(&wanted)?,
+            Step::Record(path) => self.record(path)?,
+            Step::Stop => self.end_course()?,
+            Step::Fly(path) => {
+                self.fly(&path)?;
+                self.steps.wait = Some(Wait::Flight);
+            }
+            Step::Reload => self.compile_changed()?,
             Step::Exposure(ev) => self.viewer.exposure_ev = ev,
             Step::Drag([x, y]) => {
                 let size = self.open.as_ref().and_then(|open| open.frames.size());
@@ -152,6 +194,9 @@ impl App {
             Step::Overlay(is_on) => {
                 self.set_options(Options { overlay: is_on, ..self.viewer.options.clone() });
             }
+            Step::Split(share) => self.set_how(share.map_or(How::Alone, How::Split)),
+            Step::Difference(gain) => self.set_how(gain.map_or(How::Alone, How::Difference)),
+            Step::Measure(path) => self.measure(Some(&path))?,
             Step::Turn(pre_rotation) => {
                 self.open.iter_mut().for_each(|open| open.frames.pretend(pre_rotation));
             }

@@ -194,6 +194,24 @@ impl Gltf {
     }
 }
 
+/// Node, path, interpolation, times, the values' type, values.
+pub type Channel<'a> = (usize, &'a str, &'a str, &'a [f32], &'a str, &'a [f32]);
+
+/// Adds an animation of these channels: node, property, interpolation, times, the type of values, values.
+pub fn animate(file: &mut Gltf, channels: &[Channel]) {
+    let (mut samplers, mut list): (Vec<Value>, Vec<Value>) = (Vec::new(), Vec::new());
+    for (node, path, interpolation, times, kind, values) in channels {
+        let (input, output) = (file.floats("SCALAR", times), file.floats(kind, values));
+        list.push(json!({"sampler": samplers.len(), "target": {"node": node, "path": path}}));
+        samplers.push(json!({"input": input, "output": output, "interpolation": interpolation}));
+    }
+    let animation = json!({"name": "go", "channels": list, "samplers": samplers});
+    match file.json.get_mut("animations").and_then(Value::as_array_mut) {
+        Some(animations) => animations.push(animation),
+        None => file.json["animations"] = json!([animation]),
+    }
+}
+
 pub fn write(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
     let path = folder.join(name);
     fs::write(&path, bytes).expect("the folder is writable");

@@ -4,28 +4,10 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 use ontile::glam::{Mat4, Quat, Vec3};
 use ontile::scene::{Light, LightKind, Play, Scene, World};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::close;
-use crate::gltf_build::{Gltf, U8};
-
-/// Node, path, interpolation, times, the values' type, values.
-type Channel<'a> = (usize, &'a str, &'a str, &'a [f32], &'a str, &'a [f32]);
-
-/// Adds an animation of these channels: node, property, interpolation, times, the type of values, values.
-pub fn animate(file: &mut Gltf, channels: &[Channel]) {
-    let (mut samplers, mut list): (Vec<Value>, Vec<Value>) = (Vec::new(), Vec::new());
-    for (node, path, interpolation, times, kind, values) in channels {
-        let (input, output) = (file.floats("SCALAR", times), file.floats(kind, values));
-        list.push(json!({"sampler": samplers.len(), "target": {"node": node, "path": path}}));
-        samplers.push(json!({"input": input, "output": output, "interpolation": interpolation}));
-    }
-    let animation = json!({"name": "go", "channels": list, "samplers": samplers});
-    match file.json.get_mut("animations").and_then(Value::as_array_mut) {
-        Some(animations) => animations.push(animation),
-        None => file.json["animations"] = json!([animation]),
-    }
-}
+use crate::gltf_build::{Gltf, U8, animate};
 
 fn at(scene: &Scene, time_s: f64) -> Scene {
     let mut scene = scene.clone();

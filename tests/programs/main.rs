@@ -5,4 +5,5 @@
 mod bench;
 
 mod comparison;
+mod flight;
 mod scenes;

@@ -2,6 +2,7 @@
 //! Run by `tools/bench`. Nothing here passes or fails; times of other runs, machines and loads do not compare.
 
 mod compare;
+mod flight;
 mod frames;
 mod loading;
 mod recording;
@@ -53,6 +54,8 @@ pub struct Args {
 enum Command {
     /// Compare deferred with forward, and the ways of lights with each other; writes numbers, charts and a page
     Compare(compare::Compare),
+    /// Measure a scene along a camera path that was recorded
+    Flight(flight::Flight),
 }
 
 #[derive(Serialize)]
@@ -80,8 +83,10 @@ fn main() -> ExitCode {
 /// # Errors
 /// As the parts.
 pub fn run(args: &Args) -> Result<()> {
-    if let Some(Command::Compare(compare)) = &args.command {
-        return compare::run(compare);
+    match &args.command {
+        Some(Command::Compare(compare)) => return compare::run(compare),
+        Some(Command::Flight(flight)) => return flight::run(flight),
+        None => {}
     }
     let size = args.size.unwrap_or(if args.quick { [640, 360] } else { [1280, 720] });
     let frames = args.frames.unwrap_or(if args.quick { 5 } else { 15 }) as usize;

@@ -39,6 +39,7 @@ impl Elements<'_> {
             let name = name.unwrap_or("(without a name)").to_lowercase().replace('_', " ");
             let why = match binding {
                 b if b == const { shared("BINDING_EDGE_COLOR") } => "the option edge filter".into(),
+                b if b == const { shared("BINDING_OTHER") } => "the options ask for a difference".into(),
                 b if b >= const { shared("BINDING_BEHIND_LIGHT") } => {
                     format!("the option refraction is {}", self.plan.options.refraction)
                 }

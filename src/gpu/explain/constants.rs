@@ -117,6 +117,7 @@ impl Elements<'_> {
             "SHOW" | "SHOW_STRIPS" | "SHOW_STRIP_COUNT" | "SHOW_EDGE" => {
                 format!("the option show is {}", options.show)
             }
+            "DIFFERENCE_GAIN" => "how much the options amplify differences".into(),
             "DEPTH_STEP" => "the depth that the edge filter samples has steps".into(),
             _ => "asked for by the options".into(),
         }

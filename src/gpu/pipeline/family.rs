@@ -81,6 +81,8 @@ const PARTICLES: u32 = shared("BINDING_PARTICLES");
 /// Of what stages sample of earlier passes' attachments.
 pub(in crate::gpu) const BEHIND_LIGHT: u32 = shared("BINDING_BEHIND_LIGHT");
 pub(in crate::gpu) const BEHIND_DEPTH: u32 = shared("BINDING_BEHIND_DEPTH");
+/// Of a picture that this one is compared with.
+pub(in crate::gpu) const OTHER: u32 = shared("BINDING_OTHER");
 
 /// Type and readers of each binding of `SET_FRAME`.
 const FRAME_BINDINGS: [(u32, vk::DescriptorType, vk::ShaderStageFlags); 18] = {
@@ -147,6 +149,7 @@ impl Family {
             | Pipeline::Absorb(_)
             | Pipeline::Overlay
             | Pipeline::ShowEdges
+            | Pipeline::Difference
             | Pipeline::Backdrop => Vec::new(),
             // It looks at no light but to see whether it reaches a surface.
             Pipeline::Show => counted(plan),
@@ -181,7 +184,7 @@ impl Family {
         // Where samples lie, if only depth tells.
         let reads_frame = match pipeline {
             Pipeline::Edges => reads_depth(plan),
-            Pipeline::Backdrop | Pipeline::Overlay => false,
+            Pipeline::Backdrop | Pipeline::Overlay | Pipeline::Difference => false,
             Pipeline::Show | Pipeline::ShowEdges => reads_frame(plan.options.show, &plan.gbuffer),
             _ => true,
         };
@@ -219,6 +222,7 @@ impl Family {
             | Pipeline::Backdrop
             | Pipeline::Show
             | Pipeline::ShowEdges
+            | Pipeline::Difference
             | Pipeline::Peel { .. } => SecondSet::Inputs {
                 count: plan.subpass(stage).2.inputs.len() as u32,
                 bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),
@@ -245,7 +249,8 @@ impl Family {
             let is_depth = plan.attachments[sampled.attachment].format.is_depth();
             if is_depth { BEHIND_DEPTH } else { BEHIND_LIGHT }
         });
-        let sampled = sampled.fold(0, |bits, binding| bits | 1 << binding);
+        let other = (*pipeline == Pipeline::Difference).then_some(OTHER);
+        let sampled = sampled.chain(other).fold(0, |bits, binding| bits | 1 << binding);
         Self { frame, second, push, decal_textures, layers, sampled }
     }
 

@@ -10,7 +10,7 @@ use std::ffi::CStr;
 
 use ash::vk;
 
-pub(super) use family::{BEHIND_DEPTH, BEHIND_LIGHT, Family, FamilyLayout};
+pub(super) use family::{BEHIND_DEPTH, BEHIND_LIGHT, Family, FamilyLayout, OTHER};
 pub(super) use modules::gbuffer_constants;
 use modules::modules;
 pub use parts::PipelineParts;
@@ -19,7 +19,7 @@ use state::{FixedState, VertexInput};
 use super::descriptor::Binding;
 use super::pass::VulkanPass;
 use super::post::PostParts;
-use super::shader::{AttachmentPlaces, Shaders};
+use super::shader::AttachmentPlaces;
 use super::{Called, Device, Owned, PipelineCache};
 use crate::plan::{Pipeline, Plan};
 use crate::{Error, Result};
@@ -112,7 +112,7 @@ impl Builder<'_> {
         let plan = self.plan;
         let (vertex, fragment, constants) = modules(plan, pipeline);
         let places = AttachmentPlaces::of(plan.subpass(index).2)?;
-        let shaders = Shaders::new(vertex, fragment, &constants, &places)?;
+        let shaders = self.cache.modules().shaders(vertex, fragment, &constants, &places)?;
         let name = plan.pipeline_text(pipeline);
         let module = |spirv: &Vec<u32>| shader_module(self.device, spirv, &name);
         let vertex = module(&shaders.vertex)?;

@@ -84,6 +84,10 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
         Pipeline::Show | Pipeline::ShowEdges => {
             (Module::Fullscreen, Some(Module::Show), show(plan, pipeline))
         }
+        Pipeline::Difference => {
+            let gain = Specialization::difference(plan.options.difference.unwrap_or(1.0));
+            (Module::Fullscreen, Some(Module::Difference), gain)
+        }
         Pipeline::Overlay => (Module::OverlayVertex, Some(Module::Overlay), Specialization::default()),
         Pipeline::Particles(kind) => {
             let textures = textures(&kind.surface());

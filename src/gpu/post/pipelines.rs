@@ -3,7 +3,7 @@
 use ash::vk;
 
 use super::super::pipeline::shader_module;
-use super::super::shader::{AttachmentPlaces, Module, Shaders, Specialization, shared};
+use super::super::shader::{AttachmentPlaces, Module, Specialization, shared};
 use super::super::{Called, Device, Owned, PipelineCache, conv};
 use crate::Result;
 use crate::plan::{Access, Plan, PostPass, PostPlace, State};
@@ -77,7 +77,7 @@ pub(super) fn pipeline(
     name: &str,
 ) -> Result<Owned<vk::Pipeline>> {
     let places = places();
-    let shaders = Shaders::new(Module::Fullscreen, Some(fragment), constants, &places)?;
+    let shaders = cache.modules().shaders(Module::Fullscreen, Some(fragment), constants, &places)?;
     let vertex = shader_module(device, &shaders.vertex, name)?;
     let fragment = shader_module(device, shaders.fragment.as_deref().unwrap_or_default(), name)?;
     let stage = |stage, module: &Owned<vk::ShaderModule>| {

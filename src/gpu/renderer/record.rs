@@ -20,6 +20,8 @@ pub(super) struct Frame<'a> {
     pub(super) slot: usize,
     pub(super) target: &'a Target,
     pub(super) output: usize,
+    /// What is drawn of the picture.
+    pub(super) area: vk::Rect2D,
     pub(super) counts: FrameCounts,
     /// What is bound as `SET_FRAME`, and whether by a layout with push constants: only layouts that agree in them share it.
     pub(super) bound_frame: Option<(vk::DescriptorSet, bool)>,
@@ -65,15 +67,15 @@ impl Frame<'_> {
         queries.end_statistics(recorder, slot);
     }
 
-    /// Begins a pass, with a viewport of the whole area.
+    /// Begins a pass over the frame's part of the picture, with a viewport of the whole.
     fn begin_pass(&self, index: usize) {
-        let extent = self.target.extent();
-        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
+        let whole = vk::Rect2D { offset: vk::Offset2D::default(), extent: self.target.extent() };
+        let area = self.area;
         self.renderer.passes[index].begin(self.recorder, self.target.pass(self.output, index), area);
         let (device, raw) = (self.recorder.device().raw(), self.recorder.raw());
         // SAFETY: the command buffer is recording.
         unsafe {
-            device.cmd_set_viewport(raw, 0, &[conv::viewport(area)]);
+            device.cmd_set_viewport(raw, 0, &[conv::viewport(whole)]);
             device.cmd_set_scissor(raw, 0, &[area]);
         }
     }
@@ -92,8 +94,7 @@ impl Frame<'_> {
     /// Clears what the stage begins with and the pass could not clear, since it held something else then.
     fn clear_attachments(&self, stage: usize) {
         let (pass, stage_of_pass, subpass) = self.renderer.plan.subpass(stage);
-        let rect = vk::Rect2D { offset: vk::Offset2D::default(), extent: self.target.extent() };
-        let rect = vk::ClearRect { rect, base_array_layer: 0, layer_count: 1 };
+        let rect = vk::ClearRect { rect: self.area, base_array_layer: 0, layer_count: 1 };
         for &(position, value) in &subpass.clears {
             let location = subpass.colors.iter().position(|&color| color == position);
             let clear = match location {
@@ -189,8 +190,8 @@ impl Frame<'_> {
         let Some(overlay) = self.renderer.overlay.as_ref().filter(|o| !o.is_empty(self.slot)) else { return };
         let layout = self.bind_pipeline(overlay.pipeline());
         self.bind_set(layout, 0, overlay.set_of_image());
-        let counts =
-            overlay.draw(self.recorder, self.slot, layout, self.target.extent(), self.target.pre_rotation());
+        let (extent, pre_rotation) = (self.target.extent(), self.target.pre_rotation());
+        let counts = overlay.draw(self.recorder, self.slot, layout, extent, pre_rotation, self.area);
         self.counts.draws += counts.draws;
         self.counts.triangles += counts.triangles;
     }

@@ -52,8 +52,10 @@ impl Renderer {
             new_objects: true,
         };
         let mut old = std::mem::replace(self, next);
-        // What is drawn over frames has nothing to do with the scene. The others' is never drawn.
-        std::mem::swap(&mut old.overlay, &mut self.overlay);
+        // What is drawn over frames has nothing to do with the scene.
+        if let (Some(new), Some(drawn)) = (&mut self.overlay, &mut old.overlay) {
+            new.take(drawn);
+        }
         self.retired = std::mem::replace(&mut old.retired, Retired::new(0));
         // What is shared may not have been copied yet.
         let mut uploads: Vec<_> = old.upload.take().into_iter().chain(self.upload.take()).collect();

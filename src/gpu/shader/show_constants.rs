@@ -4,6 +4,11 @@ use super::{Specialization, shared};
 use crate::plan::Show;
 
 impl Specialization {
+    /// The constant of [`super::Module::Difference`]: the amplification.
+    pub fn difference(gain: f32) -> Self {
+        Self::from_pairs(&[(const { shared("ID_DIFFERENCE_GAIN") }, gain.to_bits())])
+    }
+
     /// The constants of [`super::Module::Show`]: what is shown, in which strips, and whether of edges those that are marked.
     pub fn show(show: Show, strips: &[Show], is_edge: bool) -> Self {
         Self::from_pairs(&[

@@ -5,7 +5,7 @@ use ash::vk;
 use super::super::descriptor::{Binding, set_layout};
 use super::super::pipeline::shader_module;
 use super::super::shader::{
-    AttachmentPlaces, GeometryConstants, Module, Shaders, Specialization, TextureSlot, shared,
+    AttachmentPlaces, GeometryConstants, Module, Specialization, TextureSlot, shared,
 };
 use super::super::shared::ShadowPush;
 use super::super::{Called, Device, Image, Owned, PipelineCache, texel_bytes};
@@ -149,7 +149,8 @@ impl Builder<'_> {
         layout: &Owned<vk::PipelineLayout>,
         name: &str,
     ) -> Result<Owned<vk::Pipeline>> {
-        let shaders = Shaders::new(*vertex, *fragment, constants, &AttachmentPlaces::default())?;
+        let shaders =
+            self.cache.modules().shaders(*vertex, *fragment, constants, &AttachmentPlaces::default())?;
         let module = |spirv: &Vec<u32>| shader_module(self.device, spirv, name);
         let vertex = module(&shaders.vertex)?;
         let fragment = shaders.fragment.as_ref().map(module).transpose()?;

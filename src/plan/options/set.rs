@@ -34,7 +34,7 @@ fn to_size(place: &mut [u32; 2], text: &str) -> Result<(), String> {
 }
 
 /// In the order of the struct.
-const ALL: [(&str, Set); 42] = [
+const ALL: [(&str, Set); 44] = [
     ("size", |o, text| to_size(&mut o.size, text)),
     ("strategy", |o, text| to(&mut o.strategy, text)),
     ("layout", |o, text| to(&mut o.layout, text)),
@@ -77,12 +77,14 @@ const ALL: [(&str, Set); 42] = [
     ("stable-cascades", |o, text| to(&mut o.shadows.stable, text)),
     ("overlay", |o, text| to(&mut o.overlay, text)),
     ("show", |o, text| to(&mut o.show, text)),
+    ("output-is-kept", |o, text| to(&mut o.output_is_kept, text)),
+    ("difference", |o, text| to_some(&mut o.difference, text)),
 ];
 
 impl Options {
     /// Sets an option by the name that it has on the command line, to a value as it is typed there. What is on or off there takes
     /// `true` or `false` here, and what may be left open takes `auto`. Beyond those of the command line there are `output`,
-    /// `output-use`, `output-is-input-attachment`, `keep-gbuffer`, `overlay` and `stable-cascades`.
+    /// `output-use`, `output-is-input-attachment`, `output-is-kept`, `difference`, `keep-gbuffer`, `overlay` and `stable-cascades`.
     ///
     /// # Errors
     /// [`Error::Unsupported`] that lists the names, or the values, that there are.

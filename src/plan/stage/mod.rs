@@ -3,6 +3,7 @@
 mod decals;
 mod deferred;
 mod depth;
+mod difference;
 mod forward;
 mod media;
 mod particles;
@@ -11,6 +12,7 @@ mod samples;
 mod show;
 mod translucency;
 
+pub use difference::NAME as DIFFERENCE;
 pub use media::{BACKDROP, NAME as MEDIA};
 pub use particles::NAME as PARTICLES;
 pub(super) use samples::add as multisample;
@@ -162,6 +164,7 @@ impl Frame {
         }
         multisample(&mut frame, options.samples);
         post::add(&mut frame, &asked);
+        difference::add(&mut frame, &asked);
         frame
     }
 
