@@ -112,6 +112,8 @@ pub enum Module {
     MediumSamples,
     /// Copies what media sample to where they are drawn.
     Backdrop,
+    /// [`Self::Backdrop`] of several samples a pixel.
+    BackdropSamples,
     /// Adds a particle's light.
     Particle,
     /// [`Self::Particle`] of several samples a pixel.
@@ -126,7 +128,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 40] = [
+    pub const ALL: [Self; 41] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -167,6 +169,7 @@ impl Module {
         Self::OverlayVertex,
         Self::Overlay,
         Self::Pose,
+        Self::BackdropSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -193,7 +196,7 @@ impl Module {
             Self::Peel | Self::PeelSamples => "peel.frag",
             Self::Composite | Self::CompositeSamples => "composite.frag",
             Self::Bloom => "bloom.frag",
-            Self::Backdrop => "backdrop.frag",
+            Self::Backdrop | Self::BackdropSamples => "backdrop.frag",
             Self::EdgeFilter => "edge_filter.frag",
             Self::ShadowVolumeVertex | Self::ShadowNearEndsVertex => "shadow_volume.vert",
             Self::ParticleVertex => "particle.vert",
@@ -218,6 +221,7 @@ impl Module {
             Self::PeelSamples => "peel_samples.frag",
             Self::CompositeSamples => "composite_samples.frag",
             Self::ForwardSamples => "forward_samples.frag",
+            Self::BackdropSamples => "backdrop_samples.frag",
             _ => self.source(),
         }
     }
@@ -234,6 +238,7 @@ impl Module {
             | Self::MediumSamples
             | Self::PeelSamples
             | Self::CompositeSamples
+            | Self::BackdropSamples
             | Self::ForwardSamples => &["MULTISAMPLED"],
             Self::ShadowNearEndsVertex => &["NEAR_ENDS"],
             _ => &[],
@@ -252,6 +257,7 @@ impl Module {
             Self::Peel => Self::PeelSamples,
             Self::Composite => Self::CompositeSamples,
             Self::Forward => Self::ForwardSamples,
+            Self::Backdrop => Self::BackdropSamples,
             other => other,
         }
     }

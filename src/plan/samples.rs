@@ -105,7 +105,7 @@ pub(super) fn check_limits(
         }
     }
     // The tone curve goes through the samples of a pixel.
-    let reads = |s: &&Subpass| !s.inputs.is_empty() && s.name != "tonemap";
+    let reads = |s: &&Subpass| !(s.inputs.is_empty() && s.samples.is_empty()) && s.name != "tonemap";
     let mut subpasses = passes.iter().flat_map(|pass| &pass.subpasses);
     if let Some(subpass) = subpasses.find(reads).filter(|_| !limits.sample_shading) {
         return Err(Error::unsupported(
