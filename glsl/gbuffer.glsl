@@ -198,8 +198,6 @@ vec4 gbuffer_read_light(bool tell_background) {
     return read_light_packed128(tell_background);
 }
 
-#ifdef SUBPASS_DECALS
-
 // Base colour and metallicness of the surface: what forms that store products of both take them to be.
 vec4 gbuffer_read_base_metallic() {
     if (FORM == FORM_SPECULAR || FORM == FORM_RASA128 || FORM == FORM_SPECULAR256) {
@@ -213,6 +211,8 @@ vec4 gbuffer_read_base_metallic() {
     vec4 base_metallic = input_load(input_base_metallic);
     return vec4(decode_color(base_metallic.rgb), FORM == FORM_THIBIEROZ96 ? 0.0 : base_metallic.a);
 }
+
+#ifdef SUBPASS_DECALS
 
 // Writes the painted channels; all else stays as it is, to the bit.
 void gbuffer_paint(Paint paint) {

@@ -201,6 +201,10 @@
 #define ID_DECAL_TARGETS 104
 #define ID_DECAL_BLENDED 105
 #define ID_OCCLUSION_TARGET 110
+#define ID_SHOW 111
+#define ID_SHOW_STRIPS 112
+#define ID_SHOW_STRIP_COUNT 113
+#define ID_SHOW_EDGE 114
 
 // Values of the constant FORM: what a G-buffer consists of, and the file in glsl/gbuffer that writes and reads it.
 #define FORM_METALLIC 0
@@ -280,3 +284,20 @@
 // Bits of the stencil: pixels that are lit sample by sample, and what counts volumes' sides, from 0 and back to it.
 #define STENCIL_EDGE 128
 #define STENCIL_COUNT 127
+
+// Values of the constant SHOW; those of the G-buffer's quantities are bits of SHOW_STRIPS too, in the order of strips.
+#define SHOW_BASE_COLOR 0
+#define SHOW_METALLIC 1
+#define SHOW_DIFFUSE 2
+#define SHOW_REFLECTANCE 3
+#define SHOW_NORMAL 4
+#define SHOW_ROUGHNESS 5
+#define SHOW_DEPTH 6
+#define SHOW_OCCLUSION 7
+#define SHOW_LIGHT 8
+#define SHOW_CHANNELS 16
+#define SHOW_LIGHTS 17
+#define SHOW_EDGES 18
+
+// The legend of lights ends at 2^n - 1 of them.
+#define SHOW_HEAT_DOUBLINGS 6

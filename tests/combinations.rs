@@ -15,7 +15,7 @@ use ontile::gpu::{RendererConfig, View};
 use ontile::picture::Picture;
 use ontile::plan::{
     BloomWay, DecalWay, Edges, Layout, LightWay, Limits, Needs, Options, OutputFormat, Path, Plan,
-    Refraction, ResolveWay, Strategy, Tonemap, Translucency,
+    Refraction, ResolveWay, Show, Strategy, Tonemap, Translucency,
 };
 use ontile::scene::{Scene, Shadow};
 
@@ -71,6 +71,14 @@ fn choices(limits: &Limits) -> Vec<Choice> {
         choice("refraction", false, &[Refraction::None, Refraction::Pass], |o, v| o.refraction = v),
         choice("shadow volumes", false, &[false, false, true], |o, v| o.shadow_volumes = v),
         choice("overlay", false, &[false, false, true], |o, v| o.overlay = v),
+        choice(
+            "show",
+            false,
+            &[Show::Picture, Show::Picture, Show::Channels, Show::Lights, Show::Edges],
+            |o, v| {
+                o.show = v;
+            },
+        ),
         choice("path", false, &paths, |o, v| o.path = v),
         choice("samples", false, &[1, 4], |o, v| o.samples = v),
         choice("resolve", false, ResolveWay::ALL, |o, v| o.resolve = v),

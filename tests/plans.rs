@@ -6,7 +6,7 @@ use common::expected::Expected;
 use common::{environments, scenes};
 use ontile::plan::{
     BloomWay, Brdf, DecalWay, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Merging, Needs,
-    Normals, Options, OutputFormat, Path, Plan, Refraction, Strategy,
+    Normals, Options, OutputFormat, Path, Plan, Refraction, Show, Strategy,
 };
 use ontile::scene::Scene;
 
@@ -124,6 +124,9 @@ fn printed() -> Vec<(String, String)> {
         ("emissive_local_read".into(), local_read(&scenes::emissive(), LightWay::Auto)),
         ("emissive_local_read_stencil".into(), local_read(&scenes::emissive(), LightWay::Stencil)),
     ];
+    let shown = |show, samples| plan(&features, Options { show, samples, ..default() });
+    plans.push(("every_feature_show_channels".into(), shown(Show::Channels, 1)));
+    plans.push(("every_feature_show_edges".into(), shown(Show::Edges, 4)));
     let samples = Options { samples: 4, ..default() };
     plans.push(("shipped_stop_4_samples".into(), plan(&scenes::tram_stop(), samples)));
     for scene in scenes::shipped() {

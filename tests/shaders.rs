@@ -17,7 +17,7 @@ use ontile::gpu::shader::{
     DecalConstants, GBufferConstants, GeometryConstants, KIND_COUNT, LightingConstants, Module,
     OutputConstants, SampleConstants, Specialization, embedded_names, prune, shared,
 };
-use ontile::plan::{BloomWay, Brdf, GBuffer, ResolveWay, Tonemap, Translucency};
+use ontile::plan::{BloomWay, Brdf, GBuffer, ResolveWay, Show, Tonemap, Translucency};
 use reflect::Reflection;
 use rspirv::dr::Operand;
 use rspirv::spirv::{Decoration, Op};
@@ -274,6 +274,7 @@ fn every_constant() -> Specialization {
         .and(Specialization::translucency(Translucency::Oit, 4, true))
         .and(Specialization::behind(Some(true)))
         .and(Specialization::medium(true, true))
+        .and(Specialization::show(Show::Channels, &[], true))
 }
 
 #[test]

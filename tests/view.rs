@@ -78,12 +78,15 @@ fn the_window_shows_the_picture_of_render() {
     let Some(screen) = Screen::new() else { return };
     let folder = tempfile::tempdir().unwrap();
     let picture = |name: &str| Picture::read(&folder.path().join(name)).unwrap();
-    let cases: [(&str, &[&str]); 6] = [
+    let cases: [(&str, &[&str]); 9] = [
         ("lamps.glb", &[]),
         ("lamps.glb", &["--strategy", "separate", "--layout", "packed128", "--samples", "4"]),
         ("glass.glb", &["--present", "immediate", "--frames-in-flight", "3"]),
         ("chapel.glb", &["--shadow-map", "1024", "--no-recycle"]),
         ("decals.glb", &["--edge-filter"]),
+        ("lamps.glb", &["--show", "channels"]),
+        ("lamps.glb", &["--show", "lights", "--lights", "clusters", "--layout", "packed128"]),
+        ("decals.glb", &["--show", "edges", "--samples", "4"]),
         ("lamps.glb", &["--exposure", "1", "--dither", "--lights", "clusters"]),
     ];
     for (name, options) in cases {

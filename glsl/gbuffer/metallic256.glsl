@@ -33,12 +33,12 @@ vec4 read_light_metallic256() {
         unpackHalf2x16(input_load(input_words).w), unpackHalf2x16(more.x).x, (more.z & 0x8000u) != 0u ? 1.0 : 0.0);
 }
 
-#ifdef SUBPASS_DECALS
-
 vec4 base_metallic_metallic256() {
     uvec4 more = input_load(input_more_words);
     return vec4(from_b10g11r11(more.w), abs(unpackHalf2x16(more.z).y));
 }
+
+#ifdef SUBPASS_DECALS
 
 void paint_metallic256(Paint paint) {
     uvec4 more = input_load(input_more_words);

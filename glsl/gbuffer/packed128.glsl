@@ -61,13 +61,13 @@ vec4 read_light_packed128(bool tell_background) {
     return vec4(from_light_word(input_load(input_light_word).xy), covered);
 }
 
-#ifdef SUBPASS_DECALS
-
 vec4 base_metallic_packed128() {
     uvec2 words = input_load(input_words).xy;
     vec3 stored = vec3(words.y & 511u, words.y >> 9 & 511u, words.y >> 18 & 511u) / 511.0;
     return vec4(from_hyperbola(stored), float(words.x >> 31 << 5 | words.y >> 27) / 63.0);
 }
+
+#ifdef SUBPASS_DECALS
 
 void paint_packed128(Paint paint) {
     uvec2 words = input_load(input_words).xy;

@@ -1,5 +1,15 @@
 // What decals make of a surface, and of which channels.
 
+// What diffuse albedo and reflectance were mixed from (surface.glsl): exact for dielectrics and metals. Between them there is more
+// than one answer where colours are dark; this is the one with the least metal, after one step of a fixed point.
+vec4 base_metallic_of(vec3 diffuse, vec3 f0) {
+    vec3 metal = max(f0 - DIELECTRIC_F0, 0.0);
+    float most_metal = max(max(metal.r, metal.g), metal.b);
+    float most = most_metal + max(max(diffuse.r, diffuse.g), diffuse.b);
+    float metallic = most > 0.0 ? most_metal / most : 0.0;
+    return vec4(max(diffuse + f0 - DIELECTRIC_F0 * (1.0 - metallic), 0.0), metallic);
+}
+
 #ifdef SUBPASS_DECALS
 
 layout(constant_id = ID_DECAL_BASE_COLOR) const bool DECAL_BASE_COLOR = false;
@@ -18,16 +28,6 @@ struct Paint {
 // A target that this decal leaves as it is, but others of its subpass change, is written as it was read.
 bool is_target(uint target) {
     return (DECAL_TARGETS >> target & 1u) != 0u;
-}
-
-// What diffuse albedo and reflectance were mixed from (surface.glsl): exact for dielectrics and metals. Between them there is more
-// than one answer where colours are dark; this is the one with the least metal, after one step of a fixed point.
-vec4 base_metallic_of(vec3 diffuse, vec3 f0) {
-    vec3 metal = max(f0 - DIELECTRIC_F0, 0.0);
-    float most_metal = max(max(metal.r, metal.g), metal.b);
-    float most = most_metal + max(max(diffuse.r, diffuse.g), diffuse.b);
-    float metallic = most > 0.0 ? most_metal / most : 0.0;
-    return vec4(max(diffuse + f0 - DIELECTRIC_F0 * (1.0 - metallic), 0.0), metallic);
 }
 
 // Of the forms that have normal and roughness in one target.

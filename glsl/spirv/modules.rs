@@ -37,6 +37,8 @@ embed![
     "shadow_compose.frag",
     "shadow_near_ends.vert",
     "shadow_volume.vert",
+    "show.frag",
+    "show_samples.frag",
     "sky.frag",
     "tonemap.frag",
     "tonemap_samples.frag",

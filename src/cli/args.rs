@@ -12,10 +12,12 @@ use ontile::measure::ErrorMetric;
 use ontile::picture::FileFormat;
 use ontile::plan::{
     BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, Options,
-    OutputFormat, Path, Refraction, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Strategy, Tonemap,
-    Translucency,
+    OutputFormat, Path, Refraction, ResolveWay, ShadowFilter, ShadowFormat, ShadowOptions, Show, Strategy,
+    Tonemap, Translucency,
 };
 use ontile::scene::{Background, FogHeight, Scene};
+
+use super::wanted_layout::WantedLayout;
 
 /// What is looked at.
 #[derive(Args, Clone, Debug)]
@@ -222,6 +224,10 @@ pub struct PlanArgs {
     /// Whether water and glass bend what is behind them: none, or in a second pass, for which that is stored with its depth
     #[arg(long, value_name = "NAME", default_value_t = Refraction::None, value_parser = named(Refraction::ALL, Refraction::name))]
     pub refraction: Refraction,
+    /// What is written in place of the picture, in the same pass: what the G-buffer holds, how many lights are evaluated, or which
+    /// pixels are lit sample by sample
+    #[arg(long, value_name = "WHAT", default_value_t = Show::Picture, value_parser = named(Show::ALL, Show::name))]
+    pub show: Show,
 }
 
 impl PlanArgs {
@@ -261,6 +267,7 @@ impl PlanArgs {
             edge_filter: self.edge_filter,
             shadow_volumes: self.shadow_volumes,
             refraction: self.refraction,
+            show: self.show,
             dither: self.dither,
             samples: self.samples,
             edges: self.edges,
@@ -270,38 +277,6 @@ impl PlanArgs {
             lightmap_format: self.lightmap_format.unwrap_or(default.lightmap_format),
             ..default
         }
-    }
-}
-
-/// A layout, or the wish that one be chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WantedLayout {
-    Named(Layout),
-    Auto,
-}
-
-impl WantedLayout {
-    const AUTO: &'static str = "auto";
-
-    pub fn named(self) -> Option<Layout> {
-        match self {
-            Self::Named(layout) => Some(layout),
-            Self::Auto => None,
-        }
-    }
-
-    fn parser() -> impl TypedValueParser<Value = Self> {
-        let names = Layout::ALL.iter().map(|layout| layout.name()).chain([Self::AUTO]);
-        PossibleValuesParser::new(names).try_map(|typed| match typed.as_str() {
-            Self::AUTO => Ok(Self::Auto),
-            name => name.parse().map(Self::Named),
-        })
-    }
-}
-
-impl Display for WantedLayout {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.named().map_or(Self::AUTO, Layout::name))
     }
 }
 

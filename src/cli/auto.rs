@@ -6,9 +6,10 @@ use ontile::plan::{Limits, Options, OutputFormat, Plan};
 use ontile::scene::{Camera, Scene};
 use ontile::{Error, Result};
 
-use super::args::{PlanArgs, WantedLayout};
+use super::args::PlanArgs;
 use super::progress::Progress;
 use super::scene;
+use super::wanted_layout::WantedLayout;
 
 /// The options for a device; environments are filtered first where they are to be looked at.
 pub fn options_on(

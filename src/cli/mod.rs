@@ -17,6 +17,7 @@ mod scene;
 mod stability;
 #[cfg(feature = "view")]
 mod view;
+mod wanted_layout;
 
 use std::process::ExitCode;
 

@@ -9,7 +9,8 @@ use ontile::gpu::{Headless, HeadlessOptions};
 use ontile::plan::{Options, OutputFormat};
 use ontile::view::{HELP, PresentMode, Script, Viewer};
 
-use super::args::{PlanArgs, SceneArgs, WantedLayout, named};
+use super::args::{PlanArgs, SceneArgs, named};
+use super::wanted_layout::WantedLayout;
 use super::{auto, print, scene};
 
 /// Show a scene in a window.

@@ -81,9 +81,10 @@ impl Objects {
             .iter()
             .enumerate()
             .filter(|(_, instance)| scene.is_drawn(instance))
-            .map(|(index, instance)| {
+            .map(|(index, instance)| (index, instance, SurfaceKind::new(&kinds, instance)))
+            .filter(|(.., kind)| !(kind.blend && plan.options.show.is_debug()))
+            .map(|(index, instance, kind)| {
                 let mesh = &scene.meshes[instance.mesh];
-                let kind = SurfaceKind::new(&kinds, instance);
                 let wanted = Pipeline::Surface(kind);
                 let pipeline = plan.pipelines.iter().position(|(_, p)| *p == wanted);
                 let pipeline = pipeline.expect("the plan was made for this scene");

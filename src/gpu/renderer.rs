@@ -126,7 +126,7 @@ impl Renderer {
         config: RendererConfig,
         cache: &PipelineCache,
     ) -> Result<Self> {
-        if plan.needs != Needs::of(scene) {
+        if plan.needs != Needs::of(scene).shown(plan.options.show) {
             return Err(Error::unsupported(
                 format!("the plan does not match what scene '{}' needs", scene.name),
                 "make the plan from this scene's `Needs`, after the last change to the scene",

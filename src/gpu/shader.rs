@@ -9,6 +9,7 @@ mod numbers;
 mod places;
 mod post_constants;
 mod prune;
+mod show_constants;
 mod specialization;
 
 pub(in crate::gpu) use declared::declared;
@@ -124,11 +125,15 @@ pub enum Module {
     Overlay,
     /// Poses a mesh.
     Pose,
+    /// Writes what the G-buffer holds in place of the picture.
+    Show,
+    /// [`Self::Show`] of several samples a pixel.
+    ShowSamples,
 }
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 41] = [
+    pub const ALL: [Self; 43] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,
@@ -170,6 +175,8 @@ impl Module {
         Self::Overlay,
         Self::Pose,
         Self::BackdropSamples,
+        Self::Show,
+        Self::ShowSamples,
     ];
 
     /// The GLSL file that it is compiled from, relative to `glsl/`.
@@ -205,6 +212,7 @@ impl Module {
             Self::OverlayVertex => "overlay.vert",
             Self::Overlay => "overlay.frag",
             Self::Pose => "pose.comp",
+            Self::Show | Self::ShowSamples => "show.frag",
         }
     }
 
@@ -222,6 +230,7 @@ impl Module {
             Self::CompositeSamples => "composite_samples.frag",
             Self::ForwardSamples => "forward_samples.frag",
             Self::BackdropSamples => "backdrop_samples.frag",
+            Self::ShowSamples => "show_samples.frag",
             _ => self.source(),
         }
     }
@@ -239,7 +248,8 @@ impl Module {
             | Self::PeelSamples
             | Self::CompositeSamples
             | Self::BackdropSamples
-            | Self::ForwardSamples => &["MULTISAMPLED"],
+            | Self::ForwardSamples
+            | Self::ShowSamples => &["MULTISAMPLED"],
             Self::ShadowNearEndsVertex => &["NEAR_ENDS"],
             _ => &[],
         }
@@ -258,6 +268,7 @@ impl Module {
             Self::Composite => Self::CompositeSamples,
             Self::Forward => Self::ForwardSamples,
             Self::Backdrop => Self::BackdropSamples,
+            Self::Show => Self::ShowSamples,
             other => other,
         }
     }

@@ -1,7 +1,7 @@
 //! Which pixels are lit sample by sample.
 
 use super::layout::LightPlace;
-use super::{Edges, GBuffer, LightWay, Needs, Options, Path};
+use super::{Edges, GBuffer, LightWay, Needs, Options, Path, Show};
 
 /// What [`Options::edges`] comes to, never [`Edges::Auto`], and why, where that is not what was asked for.
 ///
@@ -16,7 +16,8 @@ pub(super) fn resolve(
     path: Path,
     way: LightWay,
 ) -> (Edges, Option<String>) {
-    if options.samples == 1 || path != Path::Deferred || needs.lit_opaque.is_none() {
+    let shows = matches!(options.show, Show::Picture | Show::Edges);
+    if !shows || options.samples == 1 || path != Path::Deferred || needs.lit_opaque.is_none() {
         return (Edges::All, None);
     }
     let in_order = way.is_one_by_one() && matches!(gbuffer.light, LightPlace::Read(_));

@@ -414,6 +414,8 @@ impl Plan {
             P::EdgeLighting | P::EdgeVolume(_) => {
                 format!("{}, by sample", self.pipeline_text(&pipeline.per_pixel()))
             }
+            P::Show => format!("show {}", self.options.show),
+            P::ShowEdges => "show edges that are marked".into(),
             P::Tonemap => format!("tonemap, {} curve{around}", self.options.tonemap),
         }
     }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Edges, LightWay, Needs, Options, Path, Pipeline};
+use super::{Edges, LightWay, Needs, Options, Path, Pipeline, Show};
 use crate::visible::{Clusters, Grid, Reach};
 
 /// The bounds of one frame's light lists.
@@ -136,7 +136,10 @@ pub(super) fn resolve(needs: &Needs, options: &Options, path: Path) -> crate::Re
     let ended = needs.local_lights() - needs.endless_lights;
     let (way, why) = match options.lights {
         // There is nothing to light, whatever was asked for.
-        _ if needs.lit.is_none() => (LightWay::Fullscreen, None),
+        _ if needs.lit.is_none() || !matches!(options.show, Show::Picture | Show::Lights) => {
+            (LightWay::Fullscreen, None)
+        }
+        LightWay::Volumes | LightWay::Stencil if options.show.is_debug() => (LightWay::Fullscreen, None),
         // Lights are added one by one, whatever they could be looked up in.
         LightWay::Clusters | LightWay::Auto if path == Path::ForwardMultipass => (LightWay::Fullscreen, None),
         // From the first light on: on GPUs lists are ahead of all other ways, whatever the number of lights. On llvmpipe

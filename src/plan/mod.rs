@@ -41,6 +41,7 @@ mod samples;
 mod shadow;
 mod shadow_report;
 mod shadow_volumes;
+mod show;
 mod stage;
 mod strategy;
 mod targets;
@@ -87,6 +88,8 @@ pub use shadow::{
 pub(crate) use shadow_report::planned_bytes;
 pub use shadow_report::{ShadowFigures, ShadowLightReport, ShadowMapReport};
 pub use shadow_volumes::COUNT_BITS;
+pub use show::{Show, heat};
+pub(crate) use show::{reads_frame, strips};
 pub use strategy::Merging;
 
 use serde::Serialize;
@@ -211,6 +214,7 @@ impl Plan {
         options: Options,
         limits: &Limits,
     ) -> crate::Result<Self> {
+        let needs = needs.shown(options.show);
         check_size(options.size, limits)?;
         check_dither(&options)?;
         check_shadows(&options)?;
@@ -236,6 +240,7 @@ impl Plan {
         let ways = (light_way, edges, by_volume);
         let frame =
             stage::Frame::new(&needs, &options, &gbuffer, path, ways, limits.depth_stencil, decal_way);
+        show::check(&needs, &options, &gbuffer, (path, edges), frame.folded)?;
         samples::check(&options, path, frame.folded)?;
         let places = derive::place(&frame, &options);
         let passes = derive::passes(&frame, &places, &options, strategy);
@@ -254,6 +259,7 @@ impl Plan {
         let mut notes = options.gbuffer_why.clone();
         notes.extend(notes::of(&needs, &options, &gbuffer, path, &attachments, folded));
         notes.extend(overlay::note(&options, &passes));
+        notes.extend(show::note(&needs, &options, &gbuffer, folded));
         notes.extend(strategy_why);
         notes.extend(samples::notes(&options, &attachments));
         notes.extend(edges_why);
@@ -335,6 +341,14 @@ impl Plan {
     pub fn applies_curve(&self, stage: usize) -> bool {
         let last = stage + 1 == self.stage_count();
         last && matches!(self.subpass(stage).2.name, "lighting" | "tonemap")
+    }
+
+    /// Of [`Options::show`]: the quantities that are shown in strips, from the left.
+    pub fn strips(&self) -> Vec<Show> {
+        match self.options.show {
+            Show::Channels => strips(&self.needs, &self.gbuffer, self.folded),
+            _ => Vec::new(),
+        }
     }
 
     /// The number of subpasses in all passes: of stages.

@@ -27,6 +27,9 @@ pub(super) fn of(
     if options.depth_prepass && needs.triangles <= 1 {
         notes.push("no triangle hides another: no depth test, so no depth pre-pass".into());
     }
+    if options.show.is_debug() {
+        return notes;
+    }
     match options.brdf {
         _ if needs.lit.is_none() => {}
         Brdf::Exact => {}

@@ -6,7 +6,8 @@ use serde::Serialize;
 
 use super::{
     BloomWay, Brdf, DecalWay, DepthStore, Edges, Gamma, Layout, LightFormat, LightWay, Normals, OutputFormat,
-    OutputUse, Path, Refraction, ResolveWay, ShadowFilter, ShadowFormat, Strategy, Tonemap, Translucency,
+    OutputUse, Path, Refraction, ResolveWay, ShadowFilter, ShadowFormat, Show, Strategy, Tonemap,
+    Translucency,
 };
 use crate::environment::TexelFormat;
 
@@ -124,6 +125,8 @@ pub struct Options {
     pub refraction: Refraction,
     /// Leave room for triangles over the picture, drawn at the end of the stage that writes it: a program's own interface.
     pub overlay: bool,
+    /// What is drawn: the picture, or what the G-buffer holds.
+    pub show: Show,
 }
 
 impl Default for Options {
@@ -166,6 +169,7 @@ impl Default for Options {
             shadow_volumes: false,
             refraction: Refraction::None,
             overlay: false,
+            show: Show::Picture,
         }
     }
 }

@@ -25,7 +25,10 @@ pub(super) fn resolve(
 ) -> Result<(Path, Option<String>)> {
     let no_lights = needs.listed_lights() == 0;
     let only_blended = needs.lit.is_some() && needs.lit_opaque.is_none();
-    let wants_gbuffer = options.keep_gbuffer || options.edge_filter || options.bloom != BloomWay::Off;
+    let wants_gbuffer = options.show.is_debug()
+        || options.keep_gbuffer
+        || options.edge_filter
+        || options.bloom != BloomWay::Off;
     let (path, why) = match options.path {
         Path::Auto if !needs.decals.is_empty() => {
             (Path::Deferred, Some("path: deferred, since decals are painted over its G-buffer".into()))
@@ -36,7 +39,10 @@ pub(super) fn resolve(
         }
         Path::Auto if wants_gbuffer && needs.lit.is_some() => (
             Path::Deferred,
-            Some("path: deferred, for bloom and the edge filter, which need a stage over all pixels".into()),
+            Some(
+                "path: deferred, for bloom, the edge filter and --show, which need a stage over all pixels"
+                    .into(),
+            ),
         ),
         Path::Auto
             if needs.local_lights() > 0

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::stage::{BACKDROP, FOG, Frame, LAYERS, MEDIA, PARTICLES, PEEL, TRANSLUCENCY, Use};
-use super::{DecalKind, Edges, LightWay, Needs, ParticleKind, SurfaceKind, VolumeShape, lights};
+use super::{DecalKind, Edges, LightWay, Needs, ParticleKind, SurfaceKind, VolumeShape, lights, show};
 
 /// A graphics pipeline that a frame needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -64,6 +64,10 @@ pub enum Pipeline {
     Particles(ParticleKind),
     /// Draws triangles of the host's over the picture, at the end of the last stage.
     Overlay,
+    /// Writes what the options ask to show in place of the picture; of edges, those that are none.
+    Show,
+    /// [`Self::Show`] of marked pixels.
+    ShowEdges,
 }
 
 impl Pipeline {
@@ -85,6 +89,7 @@ impl Pipeline {
                 | Self::Fog
                 | Self::Composite
                 | Self::Backdrop
+                | Self::Show
         );
         let edges = matches!(self, Self::Edges | Self::EdgeLighting | Self::EdgeVolume(_));
         whole || edges || matches!(self, Self::LightVolume(_) | Self::Peel { .. })
@@ -101,6 +106,7 @@ impl Pipeline {
         match *self {
             Self::EdgeLighting => Self::Lighting,
             Self::EdgeVolume(shape) => Self::LightVolume(shape),
+            Self::ShowEdges => Self::Show,
             other => other,
         }
     }
@@ -180,6 +186,11 @@ pub(super) fn of(
         }
     }
     let shaded = depths.chain(surfaces).chain(sky).chain(decals).chain(lights).chain(lighting).chain(volumes);
+    let shown = stage(show::NAME).into_iter().flat_map(|s| {
+        let marks = edges != Edges::All;
+        let all = [(marks, Pipeline::Edges), (true, Pipeline::Show), (marks, Pipeline::ShowEdges)];
+        all.into_iter().filter(|(exists, _)| *exists).map(move |(_, p)| (s, p))
+    });
     let overlay = has_overlay.then_some((frame.stages.len() - 1, Pipeline::Overlay));
-    shaded.chain(translucency).chain(tonemap).chain(overlay).collect()
+    shaded.chain(translucency).chain(tonemap).chain(shown).chain(overlay).collect()
 }

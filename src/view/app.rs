@@ -258,6 +258,7 @@ impl App {
                 let overlay = !self.viewer.options.overlay;
                 self.set_options(Options { overlay, ..self.viewer.options.clone() });
             }
+            Wish::Show(backwards) => self.show_next(backwards),
             Wish::Motion => {
                 self.rig.motion = match self.rig.motion {
                     Motion::Orbit => Motion::Fly,

@@ -11,7 +11,7 @@ use crate::gpu::{
     HeadlessOptions, PipelineCache, PresentMode, Presented, Presenter, Renderer, Surface, Swapchain, View,
     WindowHandles, WindowHost,
 };
-use crate::plan::Options;
+use crate::plan::{Limits, Options};
 use crate::scene::Scene;
 use crate::{Error, Result};
 
@@ -113,9 +113,9 @@ impl Frames {
         self.shows
     }
 
-    /// The longest side of an image, texels.
-    pub(super) fn most_texels(&self) -> u32 {
-        self.host.device().limits().max_image_size
+    /// What the device allows.
+    pub(super) fn limits(&self) -> Limits {
+        self.host.device().limits()
     }
 
     /// Has the images made anew with the next frame.

@@ -3,6 +3,7 @@
 use super::app::{App, Open};
 use super::overlay::Overlay;
 use super::panels::Shows;
+use crate::plan::{Needs, Options, Plan, Show};
 use crate::{Error, Result};
 
 impl App {
@@ -28,8 +29,8 @@ impl App {
             *overlay = None;
             return;
         }
-        let (overlay, _) =
-            overlay.get_or_insert_with(|| (Overlay::new(window, frames.most_texels()), frames.shows()));
+        let (overlay, _) = overlay
+            .get_or_insert_with(|| (Overlay::new(window, frames.limits().max_image_size), frames.shows()));
         let asked = overlay.lay_out(
             window,
             &Shows {
@@ -50,6 +51,19 @@ impl App {
         let Some(Open { frames, overlay: Some((overlay, shows)), .. }) = &mut self.open else { return };
         if std::mem::replace(shows, frames.shows()) != frames.shows() {
             overlay.renew();
+        }
+    }
+
+    /// Shows the next of all that the scene and the options have to show.
+    pub(super) fn show_next(&mut self, backwards: bool) {
+        let Some(open) = &self.open else { return };
+        let options = &self.viewer.options;
+        let now = Show::ALL.iter().position(|show| *show == options.show).unwrap_or(0);
+        let (count, needs, limits) = (Show::ALL.len(), Needs::of(&self.scene), open.frames.limits());
+        let others = (1..count).map(|n| Show::ALL[(now + if backwards { count - n } else { n }) % count]);
+        let mut others = others.map(|show| Options { show, ..options.clone() });
+        if let Some(next) = others.find(|o| Plan::new(needs.clone(), o.clone(), &limits).is_ok()) {
+            self.set_options(next);
         }
     }
 

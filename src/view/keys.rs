@@ -21,6 +21,8 @@ pub(super) enum Wish {
     Screenshot,
     Fullscreen,
     Overlay,
+    /// What else there is to show; whether backwards.
+    Show(bool),
 }
 
 /// The keys, for people.
@@ -30,6 +32,7 @@ right drag, shift-drag, two fingers   pan
 wheel, pinch          nearer and further
 F                     orbit / fly
 F2                    the overlay: times, plan, bytes, options
+G, Shift-G            what is shown: the picture, the G-buffer's channels, lights, edges
 W A S D, Q E          fly; with Shift ten times as fast
 1 to 9, C             the scene's cameras, the next camera
 - =                   exposure by half a stop
@@ -62,6 +65,7 @@ impl Keys {
             KeyCode::KeyH | KeyCode::F1 => Some(Wish::Help),
             KeyCode::KeyF => Some(Wish::Motion),
             KeyCode::F2 => Some(Wish::Overlay),
+            KeyCode::KeyG => Some(Wish::Show(self.shift())),
             KeyCode::Digit1 => camera(0),
             KeyCode::Digit2 => camera(1),
             KeyCode::Digit3 => camera(2),

@@ -3,13 +3,14 @@
 use std::collections::VecDeque;
 
 use egui::{
-    Align2, CollapsingHeader, Color32, ComboBox, FontId, Rect, RichText, Sense, Stroke, Ui, pos2, vec2,
+    Align2, CollapsingHeader, Color32, ComboBox, FontId, LayerId, Rect, RichText, Sense, Stroke, Ui, pos2,
+    vec2,
 };
 
 use super::keys::HELP;
 use super::shown::Shown;
 use crate::gpu::ExplainedKind;
-use crate::plan::{Layout, LightWay, Load, Options, Plan, Store, Strategy, Tonemap};
+use crate::plan::{Layout, LightWay, Load, Options, Plan, Show, Store, Strategy, Tonemap, heat};
 
 /// What there is to show.
 pub(super) struct Shows<'a> {
@@ -52,11 +53,12 @@ const LIVE: Color32 = Color32::from_rgb(60, 75, 95);
 type Switch = (&'static str, fn() -> Vec<&'static str>, fn(&Options) -> String);
 
 /// Options with their values, all by name.
-const SWITCHES: [Switch; 5] = [
+const SWITCHES: [Switch; 6] = [
     ("strategy", || Strategy::ALL.iter().map(|v| v.name()).collect(), |o| o.strategy.to_string()),
     ("layout", || Layout::ALL.iter().map(|v| v.name()).collect(), |o| o.layout.to_string()),
     ("lights", || LightWay::ALL.iter().map(|v| v.name()).collect(), |o| o.lights.to_string()),
     ("samples", || vec!["1", "2", "4", "8"], |o| o.samples.to_string()),
+    ("show", || Show::ALL.iter().map(|v| v.name()).collect(), |o| o.show.to_string()),
     ("tonemap", || Tonemap::ALL.iter().map(|v| v.name()).collect(), |o| o.tonemap.to_string()),
 ];
 
@@ -84,6 +86,9 @@ impl Panels {
                     }
                     self.times(ui, shows);
                     switches(ui, shows, &mut asked);
+                    if shows.options.show == Show::Lights {
+                        legend(ui);
+                    }
                     section(ui, "Plan", true, |ui| plan(ui, shows.shown.renderer.plan()));
                     section(ui, "Bytes", true, |ui| bytes(ui, shows, mean(&self.frames_ms)));
                     section(ui, "Every object and its reason", false, |ui| objects(ui, shows.shown));
@@ -95,6 +100,7 @@ impl Panels {
                 });
             },
         );
+        name_strips(context, shows);
         asked
     }
 
@@ -175,6 +181,41 @@ fn switches(ui: &mut Ui, shows: &Shows<'_>, asked: &mut Asked) {
             }
         });
     });
+}
+
+/// What colours of `--show lights` say.
+fn legend(ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        ui.label("lights");
+        for lights in [0, 1, 2, 3, 5, 8, 12, 20, 31, 45, 63] {
+            let [r, g, b] = heat(lights).map(|x| (x * 255.0).round() as u8);
+            let (rect, _) = ui.allocate_exact_size(vec2(24.0, 16.0), Sense::hover());
+            let painter = ui.painter_at(rect);
+            painter.rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
+            let is_bright = u32::from(r) + 2 * u32::from(g) + u32::from(b) > 400;
+            let color = if is_bright { Color32::BLACK } else { Color32::WHITE };
+            let text = if lights == 63 { "63+".to_owned() } else { lights.to_string() };
+            painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(10.0), color);
+        }
+    });
+}
+
+/// The names of what is shown in strips, at the lower edge of each.
+fn name_strips(context: &egui::Context, shows: &Shows<'_>) {
+    let strips = shows.shown.renderer.plan().strips();
+    let rect = context.content_rect();
+    let painter = context.layer_painter(LayerId::background());
+    for (index, strip) in strips.iter().enumerate() {
+        let x = |at: f32| rect.left() + rect.width() * at / strips.len() as f32;
+        if index > 0 {
+            painter.vline(x(index as f32), rect.y_range(), Stroke::new(1.0, Color32::from_white_alpha(120)));
+        }
+        let place = pos2(x(index as f32 + 0.5), rect.bottom() - 12.0);
+        let text = painter.layout_no_wrap(strip.name().into(), FontId::proportional(13.0), Color32::WHITE);
+        let behind = Align2::CENTER_CENTER.anchor_size(place, text.size());
+        painter.rect_filled(behind.expand(3.0), 3.0, Color32::from_black_alpha(190));
+        painter.galley(behind.min, text, Color32::WHITE);
+    }
 }
 
 /// A row an attachment, a column a subpass: where it is live, written and read.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::common::render::{Gpu, on_device};
 use super::common::scenes;
 use ontile::gpu::{Explained, ExplainedKind, Explanation, RendererConfig};
-use ontile::plan::{BloomWay, Brdf, Edges, LightWay, Options, Path, Plan, Strategy};
+use ontile::plan::{BloomWay, Brdf, Edges, LightWay, Options, Path, Plan, Show, Strategy};
 use ontile::scene::Scene;
 
 /// How many there are of each name.
@@ -117,6 +117,9 @@ fn what_is_created_is_what_is_explained() {
                 Options { bloom: BloomWay::Previous, ..small() },
                 Options { shadow_volumes: true, ..small() },
                 Options { overlay: true, ..small() },
+                Options { show: Show::Channels, ..small() },
+                Options { show: Show::Lights, lights: LightWay::Clusters, ..small() },
+                Options { show: Show::Edges, samples: 4, ..small() },
                 Options { samples: 4, edges: Edges::All, ..small() },
                 Options { samples: 4, edges: Edges::Coverage, ..small() },
                 Options { bloom: BloomWay::Store, strategy: Strategy::Separate, ..small() },

@@ -6,8 +6,8 @@ use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererC
 use ontile::measure::stored;
 use ontile::picture::{Picture, Pixels};
 use ontile::plan::{
-    Brdf, DepthStore, Gamma, Layout, LightFormat, Needs, Normals, Options, OutputFormat, Path, Plan,
-    Refraction, Tonemap, Translucency,
+    Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Needs, Normals, Options, OutputFormat, Path,
+    Plan, Refraction, Show, Tonemap, Translucency,
 };
 use ontile::reference::around::Method;
 use ontile::reference::{Behind, Settings, Stored};
@@ -45,6 +45,7 @@ pub struct Ask {
     pub lightmap: TexelFormat,
     pub translucency: Translucency,
     pub refraction: Refraction,
+    pub lights: LightWay,
 }
 
 impl Ask {
@@ -63,6 +64,7 @@ impl Ask {
         lightmap: TexelFormat::E5B9G9R9,
         translucency: Translucency::Sorted,
         refraction: Refraction::None,
+        lights: LightWay::Auto,
     };
 
     pub fn options(&self) -> Options {
@@ -80,6 +82,7 @@ impl Ask {
             lightmap_format: self.lightmap,
             translucency: self.translucency,
             refraction: self.refraction,
+            lights: self.lights,
             ..Options::default()
         }
     }
@@ -133,6 +136,21 @@ impl Gpu {
         });
         let stored = stored(&offscreen, dark.as_ref()).expect("the G-buffer is kept");
         Some((Rendered { picture: offscreen.picture(), settings }, stored))
+    }
+
+    /// Renders what `show` asks for in place of the picture; `None` if the layout does not hold it.
+    pub fn shown(&self, scene: &Scene, camera: &Camera, ask: Ask, show: Show) -> Option<Vec<DVec3>> {
+        let options = Options { show, ..ask.options() };
+        Plan::new(Needs::of(scene), options.clone(), &self.host.device().limits()).ok()?;
+        let (offscreen, settings) = self.frame(scene, camera, ask, options);
+        Some(Rendered { picture: offscreen.picture(), settings }.light())
+    }
+
+    /// The same as bytes.
+    pub fn shown_codes(&self, scene: &Scene, camera: &Camera, ask: Ask, show: Show) -> Vec<[u8; 3]> {
+        let output = OutputFormat::Rgba8Srgb;
+        let (offscreen, settings) = self.frame(scene, camera, ask, Options { show, output, ..ask.options() });
+        Rendered { picture: offscreen.picture(), settings }.codes()
     }
 
     fn frame(&self, scene: &Scene, camera: &Camera, ask: Ask, options: Options) -> (Offscreen, Settings) {

@@ -21,6 +21,7 @@ mod over_light;
 mod particles;
 mod quantised;
 mod scenes;
+mod show;
 mod surroundings;
 mod textured;
 mod translucent;

@@ -1,10 +1,10 @@
 //! Which pixels are lit by sample, and that the others lose nothing by it.
 
-use super::common::render::{Gpu, on_device};
+use super::common::render::{Gpu, difference, on_device};
 use super::common::scenes;
 use ontile::gpu::{RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::{Edges, Layout, LightWay, Needs, Options, Pipeline, Plan};
+use ontile::plan::{Edges, Layout, LightWay, Needs, Options, Pipeline, Plan, Show, Strategy};
 use ontile::scene::Scene;
 
 const SIZE: [u32; 2] = [96, 54];
@@ -82,6 +82,37 @@ fn edges_are_a_part_of_the_picture_and_not_none_of_it() {
                 "{}: {marked:?}",
                 scene.name
             );
+        }
+    });
+}
+
+/// `--show edges` is white where the frame lights sample by sample, as often as its marks are counted, and black elsewhere; strategies
+/// agree.
+#[test]
+fn edges_that_are_shown_are_those_that_are_lit_by_sample() {
+    on_device(None, |gpu| {
+        for (scene, edges) in [
+            (scenes::every_feature(), Edges::Compare),
+            (scenes::every_feature(), Edges::Coverage),
+            (scenes::before_sky(), Edges::Compare),
+        ] {
+            for layout in [Layout::Metallic128, Layout::Packed128, Layout::Thibieroz128] {
+                let options = Options { edges, layout, ..base() };
+                // Shadow volumes and words in order would have all lit.
+                let marked =
+                    frame(gpu, &scene, Options { lights: LightWay::Fullscreen, ..options.clone() }).1;
+                let shown = |strategy| {
+                    let options = Options { show: Show::Edges, strategy, ..options.clone() };
+                    gpu.picture(&scene, gpu.plan(&scene, options), 0.0)
+                };
+                let [merged, separate] = Strategy::EVERYWHERE.map(shown);
+                assert_eq!(difference(&merged, &separate), None, "{}, {edges}, {layout}", scene.name);
+                let Pixels::Rgba32F(channels) = &merged.pixels else { unreachable!("outputs are floats") };
+                let white = channels.chunks(4).filter(|c| *c == [1.0; 4]).count() as u64;
+                let black = channels.chunks(4).filter(|c| *c == [0.0, 0.0, 0.0, 1.0]).count() as u64;
+                assert_eq!(white + black, u64::from(SIZE[0] * SIZE[1]), "{}, {edges}, {layout}", scene.name);
+                assert_eq!(white * 4, marked, "{}, {edges}, {layout}", scene.name);
+            }
         }
     });
 }

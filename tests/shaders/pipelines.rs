@@ -7,7 +7,7 @@ use ontile::gpu::PipelineParts;
 use ontile::gpu::shader::{Module, Specialization, prune, shared};
 use ontile::plan::{
     BloomWay, Brdf, DepthStore, Gamma, Layout, LightFormat, LightWay, Limits, Needs, Normals, Options, Path,
-    Plan, Strategy,
+    Plan, Show, Strategy,
 };
 
 use rspirv::spirv::Capability;
@@ -42,7 +42,7 @@ fn plans() -> Vec<(String, Plan)> {
     let brdf = [Brdf::Fitted, Brdf::Mediump].into_iter();
     options.extend(brdf.clone().map(|brdf| Options { brdf, ..default() }));
     options.extend(brdf.map(|brdf| Options { brdf, path: Path::Forward, ..default() }));
-    let mut plans = Vec::new();
+    let mut plans = shown();
     for scene in scenes::built() {
         let needs = Needs::of(&scene);
         for options in &options {
@@ -50,6 +50,26 @@ fn plans() -> Vec<(String, Plan)> {
             let limits = Limits { depth_clamp: true, ..Limits::default() };
             if let Ok(plan) = Plan::new(needs.clone(), options.clone(), &limits) {
                 plans.push((format!("{} with {options:?}", scene.name), plan));
+            }
+        }
+    }
+    plans
+}
+
+/// All that can be shown of all layouts.
+fn shown() -> Vec<(String, Plan)> {
+    let mut plans = Vec::new();
+    let limits = Limits { max_color_attachments: 8, max_input_attachments: 8, ..Limits::default() };
+    for scene in [scenes::every_feature(), scenes::lights_only(), scenes::decal_scenes::decals()] {
+        let needs = Needs::of(&scene);
+        for &layout in Layout::ALL {
+            for &show in &Show::ALL[1..] {
+                for (samples, lights) in [(1, LightWay::Fullscreen), (4, LightWay::Clusters)] {
+                    let options = Options { layout, show, samples, lights, ..Options::default() };
+                    if let Ok(plan) = Plan::new(needs.clone(), options.clone(), &limits) {
+                        plans.push((format!("{} with {options:?}", scene.name), plan));
+                    }
+                }
             }
         }
     }
@@ -96,6 +116,10 @@ fn without_shared(plan: &Plan, mut parts: PipelineParts) -> PipelineParts {
     }
     if parts.name.starts_with("lighting") {
         parts.bindings.retain(|at, _| at.0 != INPUTS || is_read(at));
+    }
+    if parts.name.starts_with("edges") {
+        // It writes the stencil alone.
+        parts.targets = 0;
     }
     parts
 }

@@ -8,7 +8,7 @@ use ontile::gpu::{
 };
 use ontile::plan::{
     Access, Adreno, Bins, BloomWay, DecalWay, DepthStore, Edges, Layout, LightWay, Limits, Merging, Needs,
-    Options, Path as LightPath, Plan, Refraction, Store, Strategy, Translucency,
+    Options, Path as LightPath, Plan, Refraction, Show, Store, Strategy, Translucency,
 };
 use ontile::scene::{Scene, Shadow};
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,7 @@ pub struct Case {
     pub moves: bool,
     pub decals: DecalWay,
     pub refraction: Refraction,
+    pub show: Show,
 }
 
 /// What is wrong with the plan.
@@ -102,6 +103,7 @@ impl Case {
             moves: false,
             decals: DecalWay::Auto,
             refraction: Refraction::None,
+            show: Show::Picture,
         }
     }
 
@@ -135,6 +137,7 @@ impl Case {
             shadow_volumes: self.shadow_volumes,
             refraction: self.refraction,
             overlay: self.overlay,
+            show: self.show,
             ..Options::default()
         };
         // What every Adreno of these generations allows.

@@ -5,7 +5,7 @@ use super::common::turnip;
 use super::{ALL_STAGES, commitments, frames, local_read, metallic, on_tile, shadow_tiles};
 use ontile::measure::tiler::{TilerTrace, Verdict};
 use ontile::plan::{
-    BloomWay, DecalWay, Edges, Layout, LightWay, Path as LightPath, Refraction, Translucency,
+    BloomWay, DecalWay, Edges, Layout, LightWay, Path as LightPath, Refraction, Show, Translucency,
 };
 
 /// Each way of ordering decals, in layouts of every kind.
@@ -176,6 +176,31 @@ fn an_overlay_stays_on_the_tile() {
         (3, over(Case { samples: 4, ..metallic(ALL_STAGES) })),
         (1, over(Case { path: LightPath::Forward, ..metallic(ALL_STAGES) })),
         (3, over(local_read(metallic(ALL_STAGES)))),
+    ];
+    for (subpasses, case) in &cases {
+        frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));
+    }
+}
+
+/// What is shown in place of the picture is read on the tile, and the pass still loads nothing and stores the output alone.
+#[test]
+fn what_is_shown_stays_on_the_tile() {
+    let Some(turnip) = turnip::find() else { return };
+    let of = |show, layout| Case { show, ..Case::new(ALL_STAGES, layout) };
+    let sampled = |show, edges| Case { samples: 4, edges, ..of(show, Layout::Metallic128) };
+    let cases = [
+        (2, of(Show::BaseColor, Layout::Metallic128)),
+        (2, of(Show::Normal, Layout::Packed128)),
+        (2, of(Show::Depth, Layout::Ontile128)),
+        (2, of(Show::Channels, Layout::Metallic128)),
+        (2, of(Show::Channels, Layout::Packed128)),
+        (2, of(Show::Channels, Layout::Rasa128)),
+        (2, Case { lights: LightWay::Clusters, ..of(Show::Lights, Layout::Ontile128) }),
+        (2, sampled(Show::Edges, Edges::Compare)),
+        (2, sampled(Show::Edges, Edges::Coverage)),
+        (2, sampled(Show::Channels, Edges::Auto)),
+        (3, Case { show: Show::Channels, ..Case::new("decals", Layout::Metallic128) }),
+        (2, local_read(of(Show::Channels, Layout::Metallic128))),
     ];
     for (subpasses, case) in &cases {
         frames(&turnip, case, |gpu, frame| on_tile(gpu, case, *subpasses, frame));

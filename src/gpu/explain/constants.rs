@@ -114,6 +114,9 @@ impl Elements<'_> {
             "BLOOM" | "BLOOM_STORED" | "BLOOM_STEP" | "BLOOM_DISPLAYED" => {
                 format!("the option bloom is {}", options.bloom)
             }
+            "SHOW" | "SHOW_STRIPS" | "SHOW_STRIP_COUNT" | "SHOW_EDGE" => {
+                format!("the option show is {}", options.show)
+            }
             "DEPTH_STEP" => "the depth that the edge filter samples has steps".into(),
             _ => "asked for by the options".into(),
         }

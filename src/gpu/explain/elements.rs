@@ -85,6 +85,7 @@ impl<'a> Elements<'a> {
             }
             Pipeline::Composite | Pipeline::Backdrop => plan.subpass(*stage).2.why.clone(),
             Pipeline::Overlay => "the options ask for an overlay".into(),
+            Pipeline::Show | Pipeline::ShowEdges => plan.subpass(*stage).2.why.clone(),
             Pipeline::Edges => {
                 format!("{} samples a pixel: those of edges are lit one by one", plan.options.samples)
             }

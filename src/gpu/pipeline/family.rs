@@ -8,7 +8,7 @@ use super::super::shared::{LightPush, OverlayPush, VolumePush};
 use super::super::{Device, Owned};
 use super::modules::lighting_constants;
 use crate::Result;
-use crate::plan::{Around, Brdf, Pipeline, Plan};
+use crate::plan::{Around, Brdf, Pipeline, Plan, Show, reads_frame};
 
 /// Pipelines that take the same descriptor sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -113,6 +113,15 @@ fn reads_depth(plan: &Plan) -> bool {
     plan.gbuffer.reads_depth_attachment() && plan.compares_samples()
 }
 
+/// What of the lights is read to count them.
+fn counted(plan: &Plan) -> Vec<u32> {
+    match plan.clusters {
+        _ if plan.options.show != Show::Lights || plan.needs.local_lights() == 0 => Vec::new(),
+        Some(_) => vec![CLUSTERS],
+        None => vec![LIGHTS],
+    }
+}
+
 impl Family {
     /// What a pipeline of this stage reads.
     pub(in crate::gpu) fn of(plan: &Plan, stage: usize, pipeline: &Pipeline) -> Self {
@@ -137,7 +146,10 @@ impl Family {
             | Pipeline::Composite
             | Pipeline::Absorb(_)
             | Pipeline::Overlay
+            | Pipeline::ShowEdges
             | Pipeline::Backdrop => Vec::new(),
+            // It looks at no light but to see whether it reaches a surface.
+            Pipeline::Show => counted(plan),
             Pipeline::Decal(_) => vec![DECALS],
             Pipeline::Particles(_) => vec![PARTICLES],
             Pipeline::Surface(kind) if kind.unlit || !plan.lights_as_drawn(kind) => Vec::new(),
@@ -170,6 +182,7 @@ impl Family {
         let reads_frame = match pipeline {
             Pipeline::Edges => reads_depth(plan),
             Pipeline::Backdrop | Pipeline::Overlay => false,
+            Pipeline::Show | Pipeline::ShowEdges => reads_frame(plan.options.show, &plan.gbuffer),
             _ => true,
         };
         let own: &[u32] = if reads_frame { &[FRAME] } else { &[] };
@@ -179,6 +192,7 @@ impl Family {
             Pipeline::LightMask(_) | Pipeline::ShadowNearEnds | Pipeline::ShadowVolume | Pipeline::Sky => {
                 SecondSet::Nothing
             }
+            Pipeline::Show | Pipeline::ShowEdges if plan.options.show == Show::Edges => SecondSet::Nothing,
             Pipeline::Peel { .. } if plan.subpass(stage).2.inputs.is_empty() => SecondSet::Nothing,
             Pipeline::Overlay => {
                 SecondSet::Samplers { bindings: 1 << const { shared("BINDING_POST_COLOR") } }
@@ -203,6 +217,8 @@ impl Family {
             | Pipeline::EdgeVolume(_)
             | Pipeline::Composite
             | Pipeline::Backdrop
+            | Pipeline::Show
+            | Pipeline::ShowEdges
             | Pipeline::Peel { .. } => SecondSet::Inputs {
                 count: plan.subpass(stage).2.inputs.len() as u32,
                 bloom: plan.post.scattered().is_some() && plan.applies_curve(stage),

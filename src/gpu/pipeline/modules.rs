@@ -81,6 +81,9 @@ pub(super) fn modules(plan: &Plan, pipeline: &Pipeline) -> (Module, Option<Modul
             (Module::GeometryVertex, fragment, surface(kind).and(Specialization::behind(Some(behind_opaque))))
         }
         Pipeline::Fog => (Module::Fullscreen, Some(Module::Fog), Specialization::default()),
+        Pipeline::Show | Pipeline::ShowEdges => {
+            (Module::Fullscreen, Some(Module::Show), show(plan, pipeline))
+        }
         Pipeline::Overlay => (Module::OverlayVertex, Some(Module::Overlay), Specialization::default()),
         Pipeline::Particles(kind) => {
             let textures = textures(&kind.surface());
@@ -211,6 +214,11 @@ fn output_constants(plan: &Plan, pipeline: &Pipeline) -> OutputConstants {
         fog: plan.needs.fog.filter(|_| applies_fog),
         bloom: plan.options.bloom,
     }
+}
+
+fn show(plan: &Plan, pipeline: &Pipeline) -> Specialization {
+    let strips = plan.strips();
+    Specialization::show(plan.options.show, &strips, *pipeline == Pipeline::ShowEdges)
 }
 
 fn shape_constant(shape: VolumeShape) -> Specialization {

@@ -282,6 +282,11 @@ fn depth_stencil(
             let mark = mark.pass_op(vk::StencilOp::REPLACE);
             test.depth_test_enable(false).stencil_test_enable(true).front(mark).back(mark)
         }
+        Pipeline::Show | Pipeline::ShowEdges => {
+            let own = every.compare_mask(edge).write_mask(0).reference(own_edge);
+            let own = own.compare_op(vk::CompareOp::EQUAL);
+            test.depth_test_enable(false).stencil_test_enable(true).front(own).back(own)
+        }
         Pipeline::Lighting | Pipeline::EdgeLighting | Pipeline::LightVolume(_) | Pipeline::EdgeVolume(_)
             if edge != 0 =>
         {

@@ -206,7 +206,8 @@ impl Frame<'_> {
     /// Binds a pipeline, the frame's buffers and the stage's input attachments.
     pub(super) fn bind_with_inputs(&mut self, stage: usize, index: usize) {
         let layout = self.bind_pipeline(index);
-        if let Some(inputs) = self.target.inputs(self.output, stage) {
+        let reads = self.renderer.pipelines.families[index].inputs_set().is_some();
+        if let Some(inputs) = self.target.inputs(self.output, stage).filter(|_| reads) {
             self.bind_set(layout, 1, inputs);
         }
     }

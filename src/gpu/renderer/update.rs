@@ -38,7 +38,7 @@ impl Renderer {
         if !changes.is_structural() && self.set_values(scene, changes).is_ok() {
             return Ok(Updated::default());
         }
-        let needs = Needs::of(scene);
+        let needs = Needs::of(scene).shown(self.plan.options.show);
         let limits = self.device.limits();
         let plan = match needs == self.plan.needs {
             true => self.plan.clone(),

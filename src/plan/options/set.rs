@@ -34,7 +34,7 @@ fn to_size(place: &mut [u32; 2], text: &str) -> Result<(), String> {
 }
 
 /// In the order of the struct.
-const ALL: [(&str, Set); 41] = [
+const ALL: [(&str, Set); 42] = [
     ("size", |o, text| to_size(&mut o.size, text)),
     ("strategy", |o, text| to(&mut o.strategy, text)),
     ("layout", |o, text| to(&mut o.layout, text)),
@@ -76,6 +76,7 @@ const ALL: [(&str, Set); 41] = [
     ("refraction", |o, text| to(&mut o.refraction, text)),
     ("stable-cascades", |o, text| to(&mut o.shadows.stable, text)),
     ("overlay", |o, text| to(&mut o.overlay, text)),
+    ("show", |o, text| to(&mut o.show, text)),
 ];
 
 impl Options {

@@ -2,7 +2,7 @@
 
 use super::decals;
 use super::depth::Depth;
-use super::{Asked, Frame, Stage, Use, added_light, translucency};
+use super::{Asked, Frame, Stage, Use, added_light, show, translucency};
 use crate::plan::layout::{LightPlace, Target, Tells};
 use crate::plan::{Edges, Format, Layout};
 
@@ -132,6 +132,13 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
         let format = if gbuffer.layout == Layout::Exact { Format::R32Float } else { OCCLUSION.format };
         frame.add_target(&Target { format, used_bits: format.bits(), ..OCCLUSION }, false, why)
     });
+    let masks = needs.kinds.iter().any(|need| need.kind.alpha_mask);
+    if edges == Edges::Compare || (edges == Edges::Coverage && masks) {
+        // Samples are compared, and those of no surface are to agree: what they hold would mark them at random.
+        for &r in surface.iter().chain(&occlusion) {
+            frame.resources[r].clear.get_or_insert([0.0; 4]);
+        }
+    }
     let written =
         surface.iter().chain(&lights_added).chain(&edge).chain(&occlusion).map(|&r| (r, Use::Write));
     let geometry = Stage {
@@ -142,10 +149,19 @@ pub(super) fn add(frame: &mut Frame, asked: &Asked, depth: &Depth, lit: &str) {
             if needs.kinds.len() == 1 { "1 kind".into() } else { format!("{} kinds", needs.kinds.len()) }
         ),
     };
+    let depth_read = depth.resource.filter(|_| depth.is_read);
+    if options.show.is_debug() {
+        let targets = depth_read.iter().chain(&surface).chain(&edge).chain(&occlusion).chain(&lights_added);
+        let targets: Vec<_> = targets.copied().collect();
+        let decals = decals::stage(frame, asked, depth, &surface);
+        frame.stages.extend(std::iter::once(geometry).chain(decals));
+        show::add(frame, asked, depth, &targets, folded);
+        frame.folded = folded;
+        return;
+    }
     let marks_edges = edges != Edges::All;
     let test = if asked.has_stencil() || marks_edges { Use::Stencil } else { Use::DepthTest };
     let test = depth.resource.filter(|_| one_by_one || marks_edges).map(|depth| (depth, test));
-    let depth_read = depth.resource.filter(|_| depth.is_read);
     let how = |r: &usize| (*r, if modified.contains(r) { Use::Modify } else { Use::Read });
     let read = depth_read.iter().chain(&surface).chain(&edge).chain(&occlusion).map(how).chain(test);
     let adds = |r: &usize| (*r, Use::Blend);

@@ -8,6 +8,7 @@ mod media;
 mod particles;
 mod post;
 mod samples;
+mod show;
 mod translucency;
 
 pub use media::{BACKDROP, NAME as MEDIA};
