@@ -137,9 +137,6 @@ fn arrangements_do_not_change_the_pixels_of_refraction() {
         {
             check_variants(gpu, &scene, &Options { layout, ..bent.clone() });
         }
-        for scene in scenes::media_scenes::all() {
-            check_variants(gpu, &scene, &Options { samples: 4, ..bent.clone() });
-        }
     });
 }
 

@@ -96,7 +96,7 @@ fn refraction_stores_what_it_samples() {
         bent("water_and_more", Layout::Packed128),
         Case { path: LightPath::Forward, ..bent("water", Layout::Metallic128) },
         local_read(bent("water_and_more", Layout::Metallic128)),
-        Case { samples: 4, ..bent("water", Layout::Metallic128) },
+        Case { samples: 4, edges: Edges::All, ..bent("water", Layout::Metallic128) },
     ];
     for case in &cases {
         frames(&turnip, case, |gpu, frame| {
