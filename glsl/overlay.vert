@@ -4,7 +4,8 @@
 #include "common.glsl"
 
 layout(push_constant, std430) uniform Push {
-    vec2 clip_from_point; // 2 / the image's size in points
+    mat2 clip_from_point; // 2 / the picture's size in points, turned as the image is
+    vec2 origin_clip;     // the left upper corner of the picture
 } push;
 
 layout(location = ATTRIBUTE_POSITION) in vec2 attribute_position; // from the left upper corner
@@ -17,5 +18,5 @@ layout(location = VARYING_COLOR) out vec4 varying_color;
 void main() {
     varying_texcoord = attribute_texcoord;
     varying_color = attribute_color;
-    gl_Position = vec4(attribute_position * push.clip_from_point - 1.0, 0.0, 1.0);
+    gl_Position = vec4(push.clip_from_point * attribute_position + push.origin_clip, 0.0, 1.0);
 }

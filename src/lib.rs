@@ -35,8 +35,8 @@
 //! # }
 //! ```
 //!
-//! An engine puts its own device, images and command buffers in the place of `Headless` and `Offscreen`: [`gpu`] has the
-//! whole example, and says who owns and who synchronises what.
+//! An engine puts its own device, images and command buffers in the place of `Headless` and `Offscreen`: [`embedding`] has the
+//! whole example, in Rust and in C, and says who owns and who synchronises what.
 //!
 //! # What always holds
 //!
@@ -61,6 +61,10 @@
 
 #[cfg(feature = "capi")]
 pub mod capi;
+/// How an engine embeds the renderer, in Rust and in C.
+///
+#[doc = include_str!("embedding.md")]
+pub mod embedding {}
 pub mod environment;
 mod error;
 pub mod file;

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use image::{DynamicImage, ExtendedColorType, ImageFormat, ImageReader};
 
+use crate::scene::PreRotation;
 use crate::{Error, Result, file};
 
 /// A picture: rows from top to bottom, pixels from left to right, four channels (red, green, blue, alpha).
@@ -179,6 +180,17 @@ impl Picture {
         Self { pixels: Pixels::Rgba8(channels), ..*self }
     }
 
+    /// The picture that an image shows which was drawn turned.
+    #[must_use]
+    pub fn upright(&self, pre_rotation: PreRotation) -> Self {
+        let pixels = match &self.pixels {
+            Pixels::Rgba8(p) => Pixels::Rgba8(upright(p, [self.width, self.height], pre_rotation)),
+            Pixels::Rgba32F(p) => Pixels::Rgba32F(upright(p, [self.width, self.height], pre_rotation)),
+        };
+        let [width, height] = pre_rotation.size([self.width, self.height]);
+        Self { width, height, pixels }
+    }
+
     /// Checks that the pixels fill the picture exactly.
     pub(crate) fn validate(&self) -> Result<()> {
         let held = match &self.pixels {
@@ -193,6 +205,24 @@ impl Picture {
         }
         Ok(())
     }
+}
+
+fn upright<C: Copy>(channels: &[C], size: [u32; 2], pre_rotation: PreRotation) -> Vec<C> {
+    let [width, height] = size.map(|n| n as usize);
+    let [across, down] = pre_rotation.size(size).map(|n| n as usize);
+    let mut out = Vec::with_capacity(channels.len());
+    for y in 0..down {
+        for x in 0..across {
+            let (x, y) = match pre_rotation {
+                PreRotation::Identity => (x, y),
+                PreRotation::Rotate90 => (width - 1 - y, x),
+                PreRotation::Rotate180 => (width - 1 - x, height - 1 - y),
+                PreRotation::Rotate270 => (y, height - 1 - x),
+            };
+            out.extend_from_slice(&channels[4 * (y * width + x)..][..4]);
+        }
+    }
+    out
 }
 
 /// The sRGB encoding of a linear value (IEC 61966-2-1): 0 to 1 for 0 to 1, and the curve's continuation above.

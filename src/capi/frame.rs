@@ -11,6 +11,7 @@ use super::options::OntileOptions;
 use super::world::OntileWorld;
 use crate::gpu::{OutputImage, PipelineCache, Recorder, Renderer, RendererConfig, Target, View};
 use crate::plan::{Needs, Plan};
+use crate::scene::PreRotation;
 
 type VkCommandBuffer = vk::CommandBuffer;
 type VkImage = vk::Image;
@@ -234,6 +235,27 @@ pub unsafe extern "C" fn ontile_target_create(
                 Ok(OntileTarget { target: renderer.create_target([width, height], &outputs)? })
             })
         }
+    })
+}
+
+/// Has pictures drawn turned from now on, clockwise by 0, 90, 180 or 270 degrees, as a screen that is turned shows the images: the
+/// preTransform of their swapchain. Cameras stay those of the upright picture. It costs nothing, where a system that turns images reads
+/// and writes each again.
+///
+/// # Safety
+/// `target` is valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ontile_target_pre_rotate(target: *mut OntileTarget, degrees: u32) -> OntileResult {
+    call(|| {
+        // SAFETY: the caller's promise.
+        let target = &mut unsafe { get_mut(target, "target") }?.target;
+        let turned = PreRotation::ALL.get(degrees as usize / 90).filter(|_| degrees % 90 == 0);
+        target.pre_rotate(
+            *turned.ok_or_else(|| {
+                Failure::Argument(format!("{degrees} degrees are none of 0, 90, 180 and 270"))
+            })?,
+        );
+        Ok(())
     })
 }
 

@@ -2,9 +2,7 @@
 //!
 //! Objects are opaque and owned by whoever made them; descriptions are structs of plain numbers; every function returns a result
 //! code, with the message in [`ontile_last_error`]. No panic crosses the border. The header is made of these files (a test compares
-//! them), so their comments are what C programmers read.
-//!
-#![doc = include_str!("embedding.md")]
+//! them), so their comments are what C programmers read. [`crate::embedding`] takes them through it.
 
 mod call;
 mod elements;

@@ -1,7 +1,7 @@
 /* ontile: deferred shading that never leaves the tile. Generated from src/capi by cbindgen.
  *
  * Objects are used by one thread at a time; several renderers on one device may be used by several threads. Functions that return an
- * OntileResult leave their results untouched when they fail, and ontile_last_error says why. src/capi/embedding.md has the whole of it.
+ * OntileResult leave their results untouched when they fail, and ontile_last_error says why. src/embedding.md has the whole of it.
  */
 
 #ifndef ONTILE_H
@@ -506,99 +506,11 @@ enum OntileResult ontile_target_create(const struct OntileRenderer *renderer,
                                        size_t count,
                                        struct OntileTarget **target);
 
-/// Destroys a target; null is none.
-void ontile_target_destroy(struct OntileTarget *target);
-
-/// Records a frame: it submits nothing, waits for nothing and allocates nothing. `slot` is below frames_in_flight, and the GPU has
-/// finished the frame that was recorded with it before. `image` is an index into the target's images. Light is multiplied by 2 to the
-/// power of `exposure_ev`. A swapchain's semaphore is waited for at VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT.
-enum OntileResult ontile_renderer_record(struct OntileRenderer *renderer,
-                                         VkCommandBuffer commands,
-                                         uint32_t slot,
-                                         const struct OntileTarget *target,
-                                         uint32_t image,
-                                         const struct OntileCamera *camera,
-                                         float exposure_ev);
-
-/// Takes note of a host's device.
-enum OntileResult ontile_device_create(const struct OntileHost *host,
-                                       struct OntileDevice **device);
-
-/// Forgets a device; null is none. The objects made with it go first.
-void ontile_device_destroy(struct OntileDevice *device);
-
-/// How many Vulkan objects and bytes of device memory ontile has on a device.
-enum OntileResult ontile_device_live(const struct OntileDevice *device, uint64_t *objects, uint64_t *bytes);
-
-/// Makes a cache from what ontile_pipeline_cache_blob gave in an earlier run, or from nothing. Content that is damaged, or of another
-/// device or driver, counts as nothing.
-enum OntileResult ontile_pipeline_cache_create(const struct OntileDevice *device,
-                                               const uint8_t *blob,
-                                               size_t size,
-                                               struct OntilePipelineCache **cache);
-
-/// The content of a cache. With `blob` null it writes its size; else as much as `size` has room for, and how much that was.
-enum OntileResult ontile_pipeline_cache_blob(const struct OntilePipelineCache *cache,
-                                             size_t *size,
-                                             uint8_t *blob);
-
-/// Destroys a cache; null is none.
-void ontile_pipeline_cache_destroy(struct OntilePipelineCache *cache);
-
-/// The ABI version of the library: a program compares it with ONTILE_ABI_VERSION of the header that it was compiled with.
-uint32_t ontile_abi_version(void);
-
-/// Why the last call of this thread that failed did so, with what and where, and a remedy. It is valid until the next call that fails;
-/// before the first one it is empty.
-const char *ontile_last_error(void);
-
-/// The VkResult of the last call that failed, if that was ONTILE_RESULT_ERROR_VULKAN; else 0.
-int32_t ontile_last_vulkan_result(void);
-
-/// Makes a renderer of a world as it is now, with all pipelines, and gathers what is to be copied to the device. `options` and `cache`
-/// may be null. Afterwards the host calls ontile_world_clear_changes: all that the world is is in the renderer. `frames_in_flight` is how many frames the host may have on the GPU at a time, views counted.
-enum OntileResult ontile_renderer_create(const struct OntileDevice *device,
-                                         const struct OntileWorld *world,
-                                         const struct OntileOptions *options,
-                                         uint32_t frames_in_flight,
-                                         const struct OntilePipelineCache *cache,
-                                         struct OntileRenderer **renderer);
-
-/// Destroys a renderer; null is none.
-void ontile_renderer_destroy(struct OntileRenderer *renderer);
-
-/// The plan as a text: passes, subpasses, attachments, what is loaded and stored, and why. With `text` null it writes its size in bytes;
-/// else as much as `size` has room for, and how much that was. There is no zero at its end.
-enum OntileResult ontile_renderer_plan(const struct OntileRenderer *renderer,
-                                       size_t *size,
-                                       char *text);
-
-/// What the host's images must be like.
-enum OntileResult ontile_renderer_output(const struct OntileRenderer *renderer, struct OntileOutput *output);
-
-/// Records the copies that bring a new renderer's world to the device. The host submits them before the first frame or with it.
-enum OntileResult ontile_renderer_record_upload(struct OntileRenderer *renderer,
-                                                VkCommandBuffer commands);
-
-/// Frees staging memory once the commands of ontile_renderer_record_upload have finished on the GPU.
-enum OntileResult ontile_renderer_finish_upload(struct OntileRenderer *renderer);
-
-/// Brings a renderer to the state that its world is in now, for the frames recorded from now on; frames on the GPU go on as they are.
-/// Copies are recorded into `commands`, which the host submits before the next frame or with it. Nothing waits. Afterwards, and once
-/// the world's other renderers are updated too, the host calls ontile_world_clear_changes. `updated` may be null.
-enum OntileResult ontile_renderer_update(struct OntileRenderer *renderer,
-                                         const struct OntileWorld *world,
-                                         VkCommandBuffer commands,
-                                         struct OntileUpdated *updated);
-
-/// Makes the attachments that go with the host's images of a size, e.g. those of a swapchain; again after each resize. The old
-/// target may still be in use by the GPU: the host destroys it when it no longer is.
-enum OntileResult ontile_target_create(const struct OntileRenderer *renderer,
-                                       uint32_t width,
-                                       uint32_t height,
-                                       const struct OntileOutputImage *images,
-                                       size_t count,
-                                       struct OntileTarget **target);
+/// Has pictures drawn turned from now on, clockwise by 0, 90, 180 or 270 degrees, as a screen that is turned shows the images: the
+/// preTransform of their swapchain. Cameras stay those of the upright picture. It costs nothing, where a system that turns images reads
+/// and writes each again.
+enum OntileResult ontile_target_pre_rotate(struct OntileTarget *target,
+                                           uint32_t degrees);
 
 /// Destroys a target; null is none.
 void ontile_target_destroy(struct OntileTarget *target);
@@ -638,133 +550,6 @@ enum OntileResult ontile_pipeline_cache_blob(const struct OntilePipelineCache *c
 
 /// Destroys a cache; null is none.
 void ontile_pipeline_cache_destroy(struct OntilePipelineCache *cache);
-
-/// As ontile_world_load, but what the file's animations move is where ontile_world_animate puts it. A file without animations is loaded
-/// as there.
-enum OntileResult ontile_world_load_moving(const char *path,
-                                           struct OntileWorld **world);
-
-/// The animations of a world, a line each: how many seconds it takes, a space, its name. The n-th line is animation n, from 0. With `lines`
-/// null it writes their size in bytes; else as much as `size` has room for, and how much that was. There is no zero at the end.
-enum OntileResult ontile_world_animations(const struct OntileWorld *world,
-                                          size_t *size,
-                                          char *lines);
-
-/// Moves all that the animation moves to where it is after so many seconds; ontile_renderer_update brings renderers there. Nothing repeats:
-/// after the last key it stays. Cameras that move are read by ontile_world_camera.
-enum OntileResult ontile_world_animate(struct OntileWorld *world,
-                                       size_t animation,
-                                       double time_s);
-
-/// Makes options that leave everything as it is by default.
-enum OntileResult ontile_options_create(struct OntileOptions **options);
-
-/// Sets an option by its name on the command line of the program `ontile`, e.g. "layout" to "packed128", "samples" to "4", "size" to
-/// "1280x720". What is on or off takes "true" or "false"; what may be left open takes "auto". The message of an error lists the
-/// names, or the values, that there are.
-enum OntileResult ontile_options_set(struct OntileOptions *options,
-                                     const char *name,
-                                     const char *value);
-
-/// Destroys options; null is none.
-void ontile_options_destroy(struct OntileOptions *options);
-
-/// Makes an empty world.
-enum OntileResult ontile_world_create(const char *name, struct OntileWorld **world);
-
-/// Loads a world from a glTF file (.gltf or .glb). What had to be left out is in ontile_world_warnings.
-enum OntileResult ontile_world_load(const char *path, struct OntileWorld **world);
-
-/// What loading had to leave out or change, a line each. With `lines` null it writes their size in bytes; else as much as `size` has room
-/// for, and how much that was. There is no zero at the end.
-enum OntileResult ontile_world_warnings(const struct OntileWorld *world,
-                                        size_t *size,
-                                        char *lines);
-
-/// Destroys a world; null is none. Renderers made of it go on as they are.
-void ontile_world_destroy(struct OntileWorld *world);
-
-/// Adds a mesh, or puts it in another's place if `id` holds that one's name.
-enum OntileResult ontile_world_set_mesh(struct OntileWorld *world,
-                                        OntileId *id,
-                                        const struct OntileMesh *mesh);
-
-/// White, rough, opaque, without textures.
-struct OntileMaterial ontile_material_default(void);
-
-/// Adds a material, or puts it in another's place if `id` holds that one's name.
-enum OntileResult ontile_world_set_material(struct OntileWorld *world,
-                                            OntileId *id,
-                                            const struct OntileMaterial *material);
-
-/// Adds a texture, or puts it in another's place if `id` holds that one's name.
-enum OntileResult ontile_world_set_texture(struct OntileWorld *world,
-                                           OntileId *id,
-                                           const struct OntileTexture *texture);
-
-/// Adds a picture, or puts it in another's place if `id` holds that one's name.
-enum OntileResult ontile_world_set_image(struct OntileWorld *world,
-                                         OntileId *id,
-                                         const struct OntileImage *image);
-
-/// Adds an instance of a mesh, or puts it in another's place if `id` holds that one's name.
-enum OntileResult ontile_world_set_instance(struct OntileWorld *world,
-                                            OntileId *id,
-                                            const struct OntileInstance *instance);
-
-/// Moves an instance: an affine matrix, column by column.
-enum OntileResult ontile_world_place(struct OntileWorld *world,
-                                     OntileId instance,
-                                     const float *world_from_object);
-
-/// White, directional, along -Z, of no intensity.
-struct OntileLight ontile_light_default(void);
-
-/// Adds a light, or puts it in another's place if `id` holds that one's name.
-enum OntileResult ontile_world_set_light(struct OntileWorld *world,
-                                         OntileId *id,
-                                         const struct OntileLight *light);
-
-/// Adds a decal, or puts it in another's place if `id` holds that one's name.
-enum OntileResult ontile_world_set_decal(struct OntileWorld *world,
-                                         OntileId *id,
-                                         const struct OntileDecal *decal);
-
-/// Adds particles, or puts them in others' place if `id` holds those others' name: each frame, as many as `most` allows.
-enum OntileResult ontile_world_set_particles(struct OntileWorld *world,
-                                             OntileId *id,
-                                             const struct OntileParticles *particles);
-
-/// Takes an element out. What others refer to stays: the message names who does.
-enum OntileResult ontile_world_remove(struct OntileWorld *world, uint32_t kind, OntileId id);
-
-/// The names of all elements of a kind. With `ids` null it writes their number; else as many as `count` has room for, and how many that
-/// were.
-enum OntileResult ontile_world_ids(const struct OntileWorld *world,
-                                   uint32_t kind,
-                                   size_t *count,
-                                   OntileId *ids);
-
-/// Reads a camera that a file brought.
-enum OntileResult ontile_world_camera(const struct OntileWorld *world,
-                                      OntileId id,
-                                      struct OntileCamera *camera);
-
-/// Radiance from everywhere alike, cd/m2: three numbers, linear Rec.709.
-enum OntileResult ontile_world_set_ambient(struct OntileWorld *world, const float *radiance);
-
-/// What is seen where there is no surface, as linear display light; null is the environment, if there is one, else black.
-enum OntileResult ontile_world_set_background(struct OntileWorld *world,
-                                              const float *color);
-
-/// Fog of a radiance (cd/m2, three numbers, linear Rec.709) and a density per metre; a density of 0 is none.
-enum OntileResult ontile_world_set_fog(struct OntileWorld *world, const float *color, float density);
-
-/// Radiance from far away, from a picture of all directions (.hdr; twice as wide as high); null is none.
-enum OntileResult ontile_world_set_environment(struct OntileWorld *world, const char *path);
-
-/// Once every renderer of the world was made or updated: forgets what was done to it.
-enum OntileResult ontile_world_clear_changes(struct OntileWorld *world);
 
 /// As ontile_world_load, but what the file's animations move is where ontile_world_animate puts it. A file without animations is loaded
 /// as there.

@@ -22,7 +22,7 @@ Keys:
 {HELP}
 
 Commands of a script, one a line: frames N, size WxH, open FILE, set OPTION VALUE, camera N|NAME, exposure EV, drag X Y,
-screenshot FILE, live FILE, overlay on|off, suspend, resume, stay; after the last one the window is closed.
+screenshot FILE, live FILE, overlay on|off, turn DEGREES, low-memory, suspend, resume, stay; after the last one the window is closed.
 
 Examples:
   ontile view scene.glb

@@ -14,6 +14,7 @@ use super::shared::{DecalData, FrameUniforms, InstanceData, LightData, ParticleD
 use super::{Buffer, BufferDesc, Device, MemoryUse, View};
 use crate::Result;
 use crate::plan::{Plan, Seen};
+use crate::scene::PreRotation;
 use crate::visible::Sight;
 
 /// A frame slot's buffers, large enough for all of the scene.
@@ -97,7 +98,7 @@ impl FrameData {
         &mut self,
         view: &View<'_>,
         plan: &Plan,
-        size: [u32; 2],
+        (size, pre_rotation): ([u32; 2], PreRotation),
         scene: Everything<'_>,
         cull: bool,
         [share, factor]: [f32; 2],
@@ -121,7 +122,7 @@ impl FrameData {
             decals.write_visible(&clip_from_world, frustum, view.camera, out);
         }
         if let Some(buffer) = &mut self.particles {
-            particles.write_visible(frustum, bytemuck::cast_slice_mut(buffer.mapped_mut()));
+            particles.write_visible(frustum, pre_rotation, bytemuck::cast_slice_mut(buffer.mapped_mut()));
         }
         uniforms.bloom = [share, factor, 0.0, 0.0];
         if let Some(buffer) = &mut self.uniforms {

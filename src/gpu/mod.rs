@@ -14,7 +14,7 @@
 //! time what exists. Commands are recorded through a [`Recorder`], which stands for a command buffer in the
 //! recording state, a host's or our own. Nothing here waits for the GPU except [`Commands`].
 //!
-#![doc = include_str!("embedding.md")]
+//! [`crate::embedding`] takes an engine through it.
 
 mod around;
 mod budget;

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::picture::{Picture, Pixels};
 use crate::plan::{DeviceFigures, Figure, Format, Plan, Report};
-use crate::scene::Scene;
+use crate::scene::{PreRotation, Scene};
 use crate::{Error, Result};
 
 /// A renderer with its output image, command buffer and readback.
@@ -59,6 +59,11 @@ impl Offscreen {
         let readback = Readback::new(device, format, size)?;
         let commands = Commands::new(device, "frame")?;
         Ok(Self { commands, target, readback, output, renderer, measured: Vec::new() })
+    }
+
+    /// Has pictures drawn turned from now on, as [`Target::pre_rotate`] says; so is [`Self::picture`].
+    pub fn pre_rotate(&mut self, pre_rotation: PreRotation) {
+        self.target.pre_rotate(pre_rotation);
     }
 
     /// Renders one frame, waits for it and measures it.

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
+use glam::{Mat2, Vec2};
 
 use super::descriptor::{Content, DescriptorSets};
 use super::pipeline::FamilyLayout;
@@ -11,6 +12,7 @@ use super::shader::shared;
 use super::shared::OverlayPush;
 use super::{Buffer, BufferDesc, Commands, Device, Image, ImageDesc, MemoryUse, Owned, Recorder, Upload};
 use crate::plan::FrameCounts;
+use crate::scene::PreRotation;
 use crate::{Error, Result};
 
 /// A corner of a triangle.
@@ -165,12 +167,18 @@ impl Overlay {
         slot: usize,
         layout: vk::PipelineLayout,
         extent: vk::Extent2D,
+        pre_rotation: PreRotation,
     ) -> FrameCounts {
         let slot = &self.slots[slot];
         let (device, raw) = (recorder.device().raw(), recorder.raw());
-        let clip_from_point =
-            [extent.width, extent.height].map(|pixels| 2.0 * slot.pixels_per_point / pixels as f32);
-        let push = OverlayPush { clip_from_point };
+        let size = pre_rotation.size([extent.width, extent.height]);
+        let turn = pre_rotation.image_from_picture();
+        let scale = size.map(|pixels| 2.0 * slot.pixels_per_point / pixels as f32);
+        let clip_from_point = turn * Mat2::from_diagonal(scale.into());
+        let push = OverlayPush {
+            clip_from_point: clip_from_point.to_cols_array_2d(),
+            origin_clip: (-(turn * Vec2::ONE)).to_array(),
+        };
         let stages = vk::ShaderStageFlags::VERTEX;
         let mut counts = FrameCounts::default();
         // SAFETY: the pipeline is bound; the layout has these bytes for this stage; the buffers are of this slot, which the
@@ -181,7 +189,9 @@ impl Overlay {
             device.cmd_bind_index_buffer(raw, slot.indices.raw(), 0, vk::IndexType::UINT32);
         }
         for part in &slot.parts {
-            let Some(scissor) = scissor(part.clip_px, extent).filter(|_| !part.indices.is_empty()) else {
+            let Some(scissor) =
+                scissor(part.clip_px, size, pre_rotation).filter(|_| !part.indices.is_empty())
+            else {
                 continue;
             };
             let count = part.indices.end - part.indices.start;
@@ -234,11 +244,24 @@ fn image(device: &Device, size: [u32; 2]) -> Result<Image> {
     Image::new(device, &ImageDesc::new("overlay", vk::Format::R8G8B8A8_UNORM, size, usage))
 }
 
-/// What of a rectangle lies in the picture; `None` if nothing does.
-fn scissor([left, top, right, bottom]: [u32; 4], extent: vk::Extent2D) -> Option<vk::Rect2D> {
-    let (right, bottom) = (right.min(extent.width), bottom.min(extent.height));
-    (left < right && top < bottom).then(|| vk::Rect2D {
-        offset: vk::Offset2D { x: left as i32, y: top as i32 },
-        extent: vk::Extent2D { width: right - left, height: bottom - top },
+/// Where in the image that part of a rectangle is that lies in the picture, of this size; `None` if none does.
+fn scissor(
+    [left, top, right, bottom]: [u32; 4],
+    [width, height]: [u32; 2],
+    pre_rotation: PreRotation,
+) -> Option<vk::Rect2D> {
+    let (right, bottom) = (right.min(width), bottom.min(height));
+    let is_empty = left >= right || top >= bottom;
+    let (x, y) = match pre_rotation {
+        _ if is_empty => return None,
+        PreRotation::Identity => (left, top),
+        PreRotation::Rotate90 => (height - bottom, left),
+        PreRotation::Rotate180 => (width - right, height - bottom),
+        PreRotation::Rotate270 => (top, width - right),
+    };
+    let [width, height] = pre_rotation.size([right - left, bottom - top]);
+    Some(vk::Rect2D {
+        offset: vk::Offset2D { x: x as i32, y: y as i32 },
+        extent: vk::Extent2D { width, height },
     })
 }

@@ -2,9 +2,11 @@
 
 use std::ops::Range;
 
+use glam::{Mat2, Vec2};
+
 use super::shared::ParticleData;
 use crate::plan::{ParticleKind, Pipeline, Plan};
-use crate::scene::{Particle, Particles, Scene};
+use crate::scene::{Particle, Particles, PreRotation, Scene};
 use crate::visible::{Frustum, Reach};
 use crate::{Error, Result};
 
@@ -103,8 +105,15 @@ impl SceneParticles {
     }
 
     /// Writes those that the view sees, all without a view.
-    pub(super) fn write_visible(&mut self, view: Option<&Frustum>, out: &mut [ParticleData]) {
+    pub(super) fn write_visible(
+        &mut self,
+        view: Option<&Frustum>,
+        pre_rotation: PreRotation,
+        out: &mut [ParticleData],
+    ) {
         self.runs.clear();
+        // Axes go up and images down, so that clockwise there is counter-clockwise here.
+        let turn = pre_rotation.image_from_picture().transpose();
         let mut end = 0;
         for group in &self.groups {
             let Some(pipeline) = group.pipeline else { continue };
@@ -113,7 +122,7 @@ impl SceneParticles {
                 if view.is_some_and(|view| view.misses(&reach(particle))) {
                     continue;
                 }
-                out[end as usize] = data(particle, group.inverse_soft);
+                out[end as usize] = data(particle, group.inverse_soft, turn);
                 end += 1;
             }
             if end > first {
@@ -134,13 +143,13 @@ fn reach(particle: &Particle) -> Reach {
     Reach::Sphere { center_world: particle.position_world, radius_m }
 }
 
-fn data(particle: &Particle, inverse_soft: f32) -> ParticleData {
-    let (sin, cos) = particle.rotation_rad.sin_cos();
+fn data(particle: &Particle, inverse_soft: f32, turn: Mat2) -> ParticleData {
+    let axis = turn * Vec2::from_angle(particle.rotation_rad);
     ParticleData {
         center_world: particle.position_world.to_array(),
         inverse_soft,
         color: particle.color.to_array(),
-        half_axis: [cos, sin].map(|x| x * 0.5 * particle.size_m),
+        half_axis: (axis * 0.5 * particle.size_m).to_array(),
         ..ParticleData::default()
     }
 }

@@ -409,10 +409,13 @@ impl Renderer {
         );
         self.retired.recording(slot);
         let vk::Extent2D { width, height } = target.extent();
+        let turned = target.pre_rotated_camera(view.camera);
+        let view = &View { camera: turned.as_ref().unwrap_or(view.camera), ..*view };
         let exposure = view.exposure();
         let scattered = target.post().map_or([0.0; 2], |post| post.scattered(&self.plan, exposure));
         let (size, cull) = ([width, height], self.config.cull);
-        let seen = self.scene.write_frame(slot, view, &self.plan, size, cull, scattered);
+        let seen =
+            self.scene.write_frame(slot, view, &self.plan, (size, target.pre_rotation()), cull, scattered);
         let _label = recorder.label("ontile frame");
         self.queries.reset(recorder, slot as u32);
         self.queries.begin_statistics(recorder, slot as u32);

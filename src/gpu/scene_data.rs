@@ -29,7 +29,7 @@ use super::volume_casters::VolumeCasters;
 use super::{ColorEncoding, Device, PipelineCache, Recorder, TextureKey, Textures, Upload, View};
 use crate::Result;
 use crate::plan::{FrameCounts, Plan, StateChanges, VolumeShape};
-use crate::scene::{Aabb, Changes, Pose, Scene};
+use crate::scene::{Aabb, Changes, Pose, PreRotation, Scene};
 use crate::visible::Reach;
 use wanted::{frame_layouts, material_kind, material_textures, media, texture_keys};
 pub(super) use wanted::{streams, surface, texture_bytes, vertex_streams};
@@ -258,7 +258,7 @@ impl SceneData {
         slot: usize,
         view: &View<'_>,
         plan: &Plan,
-        size: [u32; 2],
+        images: ([u32; 2], PreRotation),
         cull: bool,
         scattered: [f32; 2],
     ) -> Written {
@@ -267,7 +267,7 @@ impl SceneData {
         }
         let Self { objects, lights, light_lists, decals, particles, ambient_nt, .. } = self;
         let scene = Everything { objects, lights, light_lists, decals, particles, ambient_nt: *ambient_nt };
-        self.frames[slot].write(view, plan, size, scene, cull, scattered)
+        self.frames[slot].write(view, plan, images, scene, cull, scattered)
     }
 
     /// Binds what a batch's draw reads, unless `bound` says that it is bound already.

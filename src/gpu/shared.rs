@@ -217,8 +217,10 @@ pub struct VolumePush {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct OverlayPush {
-    /// 2 / the image's size in points.
-    pub clip_from_point: [f32; 2],
+    /// 2 / the picture's size in points, turned as the image is.
+    pub clip_from_point: [[f32; 2]; 2],
+    /// The left upper corner of the picture.
+    pub origin_clip: [f32; 2],
 }
 
 /// Which light a draw adds: `LightPush` in `glsl/light.frag`, std430.

@@ -9,6 +9,7 @@ use super::owned::Object;
 use super::{Called, Device, OutputImage, Owned, Readback, Recorder, Surface, conv, offscreen};
 use crate::picture::Picture;
 use crate::plan::{Format, OutputFormat, named_enum};
+use crate::scene::PreRotation;
 use crate::{Error, Result};
 
 named_enum! {
@@ -46,6 +47,7 @@ pub struct Swapchain {
     format: OutputFormat,
     usage: vk::ImageUsageFlags,
     extent: vk::Extent2D,
+    pre_rotation: PreRotation,
     made_for: (vk::Extent2D, vk::SurfaceTransformFlagsKHR),
     surface: Rc<Surface>,
 }
@@ -65,11 +67,11 @@ impl Swapchain {
     /// Makes the images of a window; its size in pixels counts where the surface has none of its own. `None` where the window has no
     /// pixels now, e.g. while it is minimised.
     ///
-    /// The images are drawn the way up that the window has, also where the screen is turned: the system turns them then.
+    /// Where the screen is turned the images lie as it does ([`Self::pre_rotation`]), so that the system need not turn them.
     /// `old` is the window's swapchain so far, which the new one replaces and may share memory with.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] if the surface has no sRGB format, does not show images the way they are, or lacks the present mode;
+    /// [`Error::Unsupported`] if the surface has no sRGB format, shows only mirrored images, or lacks the present mode;
     /// [`Error::Vulkan`], of which ERROR_SURFACE_LOST_KHR asks for a new surface.
     pub fn new(
         surface: &Rc<Surface>,
@@ -79,21 +81,13 @@ impl Swapchain {
     ) -> Result<Option<Self>> {
         let device = surface.device();
         let can = surface.capabilities()?;
-        let extent = extent(&can, window_size);
+        let (pre_rotation, transform) = choose_pre_rotation(&can)?;
+        let extent = extent(&can, window_size, pre_rotation);
         if extent.width == 0 || extent.height == 0 {
             return Ok(None);
         }
         check_mode(&surface.present_modes()?, mode)?;
         let (format, colors) = choose_format(&surface.formats()?)?;
-        if !can.supported_transforms.contains(vk::SurfaceTransformFlagsKHR::IDENTITY) {
-            return Err(Error::unsupported(
-                format!(
-                    "the screen is turned ({:?}) and takes only images turned alike",
-                    can.current_transform
-                ),
-                "turn the screen back",
-            ));
-        }
         let wanted = vk::ImageUsageFlags::INPUT_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | (wanted & can.supported_usage_flags);
         let raw_format = conv::format(Format::from(format));
@@ -106,7 +100,7 @@ impl Swapchain {
             .image_extent(extent)
             .image_array_layers(1)
             .image_usage(usage)
-            .pre_transform(vk::SurfaceTransformFlagsKHR::IDENTITY)
+            .pre_transform(transform)
             .composite_alpha(composite_alpha(can.supported_composite_alpha))
             .present_mode(mode.raw())
             .clipped(true)
@@ -135,7 +129,19 @@ impl Swapchain {
         let finished = images.iter().map(semaphore).collect::<Result<_>>()?;
         let made_for = (can.current_extent, can.current_transform);
         let surface = Rc::clone(surface);
-        Ok(Some(Self { finished, views, raw, images, functions, format, usage, extent, made_for, surface }))
+        Ok(Some(Self {
+            finished,
+            views,
+            raw,
+            images,
+            functions,
+            format,
+            usage,
+            extent,
+            pre_rotation,
+            made_for,
+            surface,
+        }))
     }
 
     /// The images' format.
@@ -143,9 +149,14 @@ impl Swapchain {
         self.format
     }
 
-    /// Width and height, pixels.
+    /// Width and height of the images, pixels.
     pub fn size(&self) -> [u32; 2] {
         [self.extent.width, self.extent.height]
+    }
+
+    /// How pictures have to be turned that are drawn to the images: what [`Target::pre_rotate`](super::Target::pre_rotate) asks.
+    pub fn pre_rotation(&self) -> PreRotation {
+        self.pre_rotation
     }
 
     /// Whether the images may be input attachments: what [`Options::output_is_input_attachment`](crate::plan::Options) asks.
@@ -188,7 +199,7 @@ impl Swapchain {
         readback.record_raw(recorder, self.images[image], RANGE, (layout, layout));
     }
 
-    /// What was copied, once the frame has finished.
+    /// What was copied, once the frame has finished, turned as the images are.
     pub fn picture(&self, readback: &Readback) -> Picture {
         offscreen::picture(readback, Format::from(self.format))
     }
@@ -226,20 +237,48 @@ const RANGE: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     layer_count: 1,
 };
 
-/// None if the window has none; the surface's own; or where it follows its images (as on Wayland) the window's.
-fn extent(can: &vk::SurfaceCapabilitiesKHR, window_size: [u32; 2]) -> vk::Extent2D {
+/// None if the window has none; the surface's own; or where it follows its images (as on Wayland) the window's. Both are of the upright
+/// picture, images those of the screen.
+fn extent(
+    can: &vk::SurfaceCapabilitiesKHR,
+    window_size: [u32; 2],
+    pre_rotation: PreRotation,
+) -> vk::Extent2D {
     if window_size.contains(&0) {
         return vk::Extent2D::default();
     }
-    if can.current_extent.width != u32::MAX {
-        return can.current_extent;
+    let own = can.current_extent;
+    if own.width != u32::MAX {
+        let [width, height] = pre_rotation.size([own.width, own.height]);
+        return vk::Extent2D { width, height };
     }
-    let [width, height] = window_size;
+    let [width, height] = pre_rotation.size(window_size);
     let (least, most) = (can.min_image_extent, can.max_image_extent);
     vk::Extent2D {
         width: width.clamp(least.width, most.width),
         height: height.clamp(least.height, most.height),
     }
+}
+
+/// As the screen is turned, if images may be; else upright.
+fn choose_pre_rotation(
+    can: &vk::SurfaceCapabilitiesKHR,
+) -> Result<(PreRotation, vk::SurfaceTransformFlagsKHR)> {
+    use vk::SurfaceTransformFlagsKHR as Transform;
+    let known = [
+        (PreRotation::Identity, Transform::IDENTITY),
+        (PreRotation::Rotate90, Transform::ROTATE_90),
+        (PreRotation::Rotate180, Transform::ROTATE_180),
+        (PreRotation::Rotate270, Transform::ROTATE_270),
+    ];
+    let offered =
+        |wanted| known.into_iter().find(|(_, t)| *t == wanted && can.supported_transforms.contains(wanted));
+    offered(can.current_transform).or_else(|| offered(Transform::IDENTITY)).ok_or_else(|| {
+        Error::unsupported(
+            format!("the screen is turned ({:?}) and takes only images turned alike", can.current_transform),
+            "turn the screen back",
+        )
+    })
 }
 
 fn check_mode(offered: &[vk::PresentModeKHR], mode: PresentMode) -> Result<()> {
@@ -286,16 +325,36 @@ mod tests {
     #[test]
     fn the_surface_decides_its_size_unless_it_leaves_that_open() {
         let fixed = vk::SurfaceCapabilitiesKHR { current_extent: at(30, 20), ..Default::default() };
-        assert_eq!(extent(&fixed, [640, 480]), at(30, 20));
+        let upright = PreRotation::Identity;
+        assert_eq!(extent(&fixed, [640, 480], upright), at(30, 20));
+        assert_eq!(extent(&fixed, [640, 480], PreRotation::Rotate90), at(20, 30));
         let open = vk::SurfaceCapabilitiesKHR {
             current_extent: at(u32::MAX, u32::MAX),
             min_image_extent: at(1, 1),
             max_image_extent: at(100, 100),
             ..Default::default()
         };
-        assert_eq!(extent(&open, [640, 48]), at(100, 48));
-        assert_eq!(extent(&open, [640, 0]), at(0, 0));
-        assert_eq!(extent(&fixed, [0, 480]), at(0, 0));
+        assert_eq!(extent(&open, [640, 48], upright), at(100, 48));
+        assert_eq!(extent(&open, [640, 48], PreRotation::Rotate270), at(48, 100));
+        assert_eq!(extent(&open, [640, 0], upright), at(0, 0));
+        assert_eq!(extent(&fixed, [0, 480], upright), at(0, 0));
+    }
+
+    #[test]
+    fn images_lie_as_the_screen_does_where_they_may() {
+        use vk::SurfaceTransformFlagsKHR as Transform;
+        let chosen = |current_transform, supported_transforms| {
+            let can =
+                vk::SurfaceCapabilitiesKHR { current_transform, supported_transforms, ..Default::default() };
+            choose_pre_rotation(&can)
+        };
+        let all = Transform::IDENTITY | Transform::ROTATE_90 | Transform::ROTATE_180 | Transform::ROTATE_270;
+        let turned = (PreRotation::Rotate270, Transform::ROTATE_270);
+        assert_eq!(chosen(Transform::ROTATE_270, all).unwrap(), turned);
+        let upright = (PreRotation::Identity, Transform::IDENTITY);
+        assert_eq!(chosen(Transform::ROTATE_90, Transform::IDENTITY).unwrap(), upright);
+        assert_eq!(chosen(Transform::HORIZONTAL_MIRROR, Transform::IDENTITY).unwrap(), upright);
+        assert!(chosen(Transform::ROTATE_90, Transform::INHERIT).is_err());
     }
 
     #[test]

@@ -11,6 +11,7 @@ use super::post::{PostPasses, PostTarget};
 use super::shader::shared;
 use super::{Device, Image, ImageDesc, conv};
 use crate::plan::{Format, Plan, State, check_size};
+use crate::scene::{Camera, PreRotation};
 use crate::{Error, Result};
 
 /// A host's image that frames are drawn to: of the target's size, one sample, one level, of the format
@@ -35,6 +36,7 @@ pub struct Target {
     /// `None` if the plan has no passes after the frame's own.
     post: Option<PostTarget>,
     extent: vk::Extent2D,
+    pre_rotation: PreRotation,
     /// Its renderer's.
     passes: Arc<[VulkanPass]>,
 }
@@ -96,7 +98,18 @@ impl Target {
             post.map(|post| PostTarget::new(device, plan, post, pipelines, images, (hosts, size), &view));
         let post = post.transpose()?;
         let passes = Arc::clone(passes);
-        Ok(Self { outputs, attachments, post, extent, passes })
+        Ok(Self { outputs, attachments, post, extent, pre_rotation: PreRotation::Identity, passes })
+    }
+
+    /// Has pictures drawn turned from now on, as the screen shows the images ([`Swapchain::pre_rotation`](super::Swapchain::pre_rotation)).
+    /// Cameras and overlays stay those of the upright picture, whose size is [`PreRotation::size`] of the target's. It costs nothing.
+    pub fn pre_rotate(&mut self, pre_rotation: PreRotation) {
+        self.pre_rotation = pre_rotation;
+    }
+
+    /// How pictures are turned.
+    pub fn pre_rotation(&self) -> PreRotation {
+        self.pre_rotation
     }
 
     /// The image of one of the plan's attachments; `None` for the output, which is the host's.
@@ -107,6 +120,13 @@ impl Target {
     /// How many output images it has.
     pub fn output_count(&self) -> usize {
         self.outputs.len()
+    }
+
+    /// The camera that draws to the images what another one shows, unless that is the same.
+    pub(super) fn pre_rotated_camera(&self, camera: &Camera) -> Option<Camera> {
+        let [width, height] = self.pre_rotation.size([self.extent.width, self.extent.height]);
+        let turned = || self.pre_rotation.camera(camera, width as f32 / height as f32);
+        (self.pre_rotation != PreRotation::Identity).then(turned)
     }
 
     /// Whether the renderer with these passes created it.

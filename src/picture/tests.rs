@@ -9,6 +9,19 @@ fn rgba32f(width: u32, height: u32, channels: &[f32]) -> Picture {
 }
 
 #[test]
+fn turned_images_show_upright_pictures() {
+    let row = |pixels: &[u8]| -> Vec<u8> { pixels.iter().flat_map(|p| [*p, 0, 0, 255]).collect() };
+    // What is above is at the right.
+    let image = rgba8(2, 3, &row(&[4, 1, 5, 2, 6, 3]));
+    assert_eq!(image.upright(PreRotation::Rotate90), rgba8(3, 2, &row(&[1, 2, 3, 4, 5, 6])));
+    let image = rgba8(2, 3, &row(&[3, 6, 2, 5, 1, 4]));
+    assert_eq!(image.upright(PreRotation::Rotate270), rgba8(3, 2, &row(&[1, 2, 3, 4, 5, 6])));
+    let image = rgba8(2, 2, &row(&[4, 3, 2, 1]));
+    assert_eq!(image.upright(PreRotation::Rotate180), rgba8(2, 2, &row(&[1, 2, 3, 4])));
+    assert_eq!(image.upright(PreRotation::Identity), image);
+}
+
+#[test]
 fn png_returns_every_byte() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("all.PNG");

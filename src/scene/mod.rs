@@ -20,6 +20,7 @@ mod mesh;
 mod mipmaps;
 mod motion;
 mod particles;
+mod pre_rotation;
 mod probe;
 mod surroundings;
 mod texels;
@@ -47,6 +48,7 @@ pub use motion::{
     Animation, Channel, Follower, Follows, Interpolation, Motion, Node, NodeTransform, Play, Property, Skin,
 };
 pub use particles::{Particle, Particles};
+pub use pre_rotation::PreRotation;
 pub use probe::Probe;
 pub use surroundings::{Background, Fog, FogHeight};
 pub(crate) use texels::level_size;

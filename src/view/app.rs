@@ -41,7 +41,7 @@ pub(super) struct App {
     loading: Option<Receiver<(PathBuf, Result<Scene>)>>,
     /// What was loaded and not shown yet.
     loaded: Option<(PathBuf, Arc<Scene>)>,
-    is_occluded: bool,
+    pub(super) is_occluded: bool,
     clock: Clock,
     /// What the user was told last.
     pub(super) message: RefCell<String>,
@@ -293,7 +293,7 @@ impl App {
         }
     }
 
-    fn fail(&mut self, error: Error, events: &ActiveEventLoop) {
+    pub(super) fn fail(&mut self, error: Error, events: &ActiveEventLoop) {
         self.failed.get_or_insert(error);
         events.exit();
     }
@@ -333,6 +333,10 @@ impl ApplicationHandler for App {
 
     fn suspended(&mut self, events: &ActiveEventLoop) {
         self.suspend(events);
+    }
+
+    fn memory_warning(&mut self, events: &ActiveEventLoop) {
+        self.give_back(events);
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {

@@ -12,7 +12,7 @@ use crate::gpu::{
     WindowHandles, WindowHost,
 };
 use crate::plan::{Limits, Options};
-use crate::scene::Scene;
+use crate::scene::{PreRotation, Scene};
 use crate::{Error, Result};
 
 /// A window's device and all that is made from it.
@@ -27,6 +27,8 @@ pub(super) struct Frames {
     window: Arc<dyn WindowHandles>,
     mode: PresentMode,
     frames_in_flight: usize,
+    /// How the screen is said to be turned, where it is not.
+    pretended: PreRotation,
     /// The window has changed since the swapchain was made.
     is_outdated: bool,
     /// Nanoseconds since the begin of the last frame that the GPU has told of: see [`QueryResults`](crate::gpu::QueryResults).
@@ -51,6 +53,14 @@ fn prepare(
         *stamps_ns = stamps;
     }
     overlay.map_or(Ok(()), |overlay| renderer.set_overlay(slot, &overlay.frame()))
+}
+
+/// How pictures are turned, on a screen that is or that is said to be.
+fn turned(swapchain: &Swapchain, pretended: PreRotation) -> PreRotation {
+    match swapchain.pre_rotation() {
+        PreRotation::Identity => pretended,
+        turned => turned,
+    }
 }
 
 /// Arm's advice against all that is asked for by other modes.
@@ -86,6 +96,7 @@ impl Frames {
             window,
             mode: viewer.present,
             frames_in_flight: viewer.frames_in_flight.max(1),
+            pretended: PreRotation::Identity,
             is_outdated: false,
             stamps_ns: Vec::new(),
             shows: 0,
@@ -98,9 +109,15 @@ impl Frames {
         self.shown.as_ref()
     }
 
-    /// Width and height of the images, while there are some.
+    /// Width and height of what the images show, while there are some.
     pub(super) fn size(&self) -> Option<[u32; 2]> {
-        self.swapchain.as_ref().map(Swapchain::size)
+        self.swapchain.as_ref().map(|swapchain| swapchain.pre_rotation().size(swapchain.size()))
+    }
+
+    /// Draws as if the screen was turned.
+    pub(super) fn pretend(&mut self, pre_rotation: PreRotation) {
+        self.pretended = pre_rotation;
+        self.outdate();
     }
 
     /// Times of a frame that the GPU has finished.
@@ -129,6 +146,13 @@ impl Frames {
         self.shown.iter_mut().for_each(|shown| shown.target = None);
         self.swapchain = None;
         self.surface = None;
+        Ok(())
+    }
+
+    /// Gives up what draws the scene, which [`Self::show`] makes anew.
+    pub(super) fn release(&mut self) -> Result<()> {
+        self.presenter.wait()?;
+        self.shown = None;
         Ok(())
     }
 
@@ -162,7 +186,8 @@ impl Frames {
             return Err(Error::unsupported("the window has no pixels", "make it larger"));
         };
         let device = self.host.device();
-        let shown = Shown::new(device, &self.cache, scene, options, swapchain, self.frames_in_flight)?;
+        let images = (swapchain, turned(swapchain, self.pretended));
+        let shown = Shown::new(device, &self.cache, scene, options, images, self.frames_in_flight)?;
         self.cache.store();
         self.excused.extend(&shown.excused);
         self.presenter.wait()?;
@@ -188,9 +213,10 @@ impl Frames {
             return Ok(Drawn::Again);
         }
         if shown.target.is_none() {
-            shown.fit(swapchain)?;
+            shown.fit(swapchain, turned(swapchain, self.pretended))?;
         }
         let Shown { renderer, recorded, target: Some(target), .. } = shown else { return Ok(Drawn::Nothing) };
+        let pre_rotation = target.pre_rotation();
         let readback = shot.map(|path| Ok::<_, Error>((path, swapchain.readback()?))).transpose()?;
         if let Some(overlay) = overlay.as_mut().filter(|overlay| overlay.has_new_image()) {
             self.presenter.wait()?;
@@ -223,7 +249,7 @@ impl Frames {
             }
         }
         if let Some((path, readback)) = readback {
-            swapchain.picture(&readback).write(path)?;
+            swapchain.picture(&readback).upright(pre_rotation).write(path)?;
         }
         Ok(Drawn::Frame)
     }

@@ -1,5 +1,7 @@
 //! The overlay in the window's life.
 
+use winit::event_loop::ActiveEventLoop;
+
 use super::app::{App, Open};
 use super::overlay::Overlay;
 use super::panels::Shows;
@@ -18,6 +20,16 @@ impl App {
                 Ok(())
             }
             shown => shown,
+        }
+    }
+
+    /// The system is short of memory: while nobody looks, what draws goes, and is made anew with the next frame that somebody sees.
+    pub(super) fn give_back(&mut self, events: &ActiveEventLoop) {
+        let is_seen = !self.is_occluded && !self.is_suspended;
+        if let Some(open) = self.open.as_mut().filter(|_| !is_seen)
+            && let Err(error) = open.frames.release()
+        {
+            self.fail(error, events);
         }
     }
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use crate::scene::PreRotation;
 use crate::{Error, Result};
 
 /// Commands that a window carries out, one after the other, and closes itself after the last one.
@@ -21,6 +22,8 @@ use crate::{Error, Result};
 /// | `screenshot FILE` | shows a frame and writes it |
 /// | `live FILE` | writes what exists on the device as JSON: the number of objects by kind, and their memory |
 /// | `overlay on\|off` | shows times, plan and options over the picture, or not |
+/// | `turn DEGREES` | draws as if the screen was turned, by 0, 90, 180 or 270 degrees; screenshots are upright |
+/// | `low-memory` | as if the system was short of memory: while the surface is taken, what draws goes |
 /// | `suspend`, `resume` | as if the system took the window's surface, and gave it back |
 /// | `stay` | leaves the window to the user |
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,6 +43,8 @@ pub(super) enum Step {
     Screenshot(PathBuf),
     Live(PathBuf),
     Overlay(bool),
+    Turn(PreRotation),
+    LowMemory,
     Suspend,
     Resume,
     Stay,
@@ -109,6 +114,14 @@ fn step(line: &str) -> Result<Step, String> {
         "overlay" if rest == "on" => Ok(Step::Overlay(true)),
         "overlay" if rest == "off" => Ok(Step::Overlay(false)),
         "overlay" => Err(needs("on or off")),
+        "turn" => {
+            let names = ["0", "90", "180", "270"];
+            let index = names.iter().position(|name| *name == rest);
+            index
+                .map(|index| Step::Turn(PreRotation::ALL[index]))
+                .ok_or_else(|| needs("0, 90, 180 or 270 degrees"))
+        }
+        "low-memory" => alone(Step::LowMemory),
         "suspend" => alone(Step::Suspend),
         "resume" => alone(Step::Resume),
         "stay" => alone(Step::Stay),
@@ -127,7 +140,7 @@ mod tests {
     #[test]
     fn lines_are_commands() {
         let text = "size 640x360 # at first\n\n  frames 3\nset layout packed128\nopen a b.glb\ncamera 1\nexposure -1.5\n\
-                    drag 10 -4\nscreenshot o.png\nlive l.json\noverlay on\nsuspend\nresume\nstay\n";
+                    drag 10 -4\nscreenshot o.png\nlive l.json\noverlay on\nturn 90\nlow-memory\nsuspend\nresume\nstay\n";
         let expected = [
             Step::Size([640, 360]),
             Step::Frames(3),
@@ -139,6 +152,8 @@ mod tests {
             Step::Screenshot("o.png".into()),
             Step::Live("l.json".into()),
             Step::Overlay(true),
+            Step::Turn(PreRotation::Rotate90),
+            Step::LowMemory,
             Step::Suspend,
             Step::Resume,
             Step::Stay,
@@ -155,6 +170,7 @@ mod tests {
             ("exposure nan", "number of stops"),
             ("drag 1", "two numbers"),
             ("overlay", "on or off"),
+            ("turn 45", "90, 180"),
             ("stay here", "stands alone"),
             ("jump", "no command 'jump'"),
         ] {

@@ -8,7 +8,7 @@ use crate::gpu::{
     expected_advice,
 };
 use crate::plan::{Needs, Options, OutputUse, Plan, Report};
-use crate::scene::Scene;
+use crate::scene::{PreRotation, Scene};
 
 /// A scene, its renderer and, where there is a window to draw to, the target of its images. Dropped when no frame is on the GPU.
 pub(super) struct Shown {
@@ -31,7 +31,7 @@ impl Shown {
         cache: &PipelineCache,
         scene: &Arc<Scene>,
         options: &Options,
-        swapchain: &Swapchain,
+        (swapchain, pre_rotation): (&Swapchain, PreRotation),
         frames_in_flight: usize,
     ) -> Result<Self> {
         let options = of_window(options, swapchain);
@@ -51,7 +51,7 @@ impl Shown {
         let recorded = vec![false; renderer.frames_in_flight()];
         let scene = Arc::clone(scene);
         let mut shown = Self { target: None, renderer, scene, recorded, explanation, report, excused };
-        shown.fit(swapchain)?;
+        shown.fit(swapchain, pre_rotation)?;
         Ok(shown)
     }
 
@@ -63,9 +63,11 @@ impl Shown {
     }
 
     /// Makes the target of these images; no frame to the former one is on the GPU.
-    pub(super) fn fit(&mut self, swapchain: &Swapchain) -> Result<()> {
+    pub(super) fn fit(&mut self, swapchain: &Swapchain, pre_rotation: PreRotation) -> Result<()> {
         self.target = None;
-        self.target = Some(self.renderer.create_target(swapchain.size(), &swapchain.outputs())?);
+        let mut target = self.renderer.create_target(swapchain.size(), &swapchain.outputs())?;
+        target.pre_rotate(pre_rotation);
+        self.target = Some(target);
         Ok(())
     }
 }

@@ -78,7 +78,7 @@ impl App {
     /// Carries out commands until one has to be waited for.
     pub(super) fn run_steps(&mut self, events: &ActiveEventLoop) -> Result<()> {
         // Until there is a frame there is nothing to command.
-        let has_begun = self.open.as_ref().is_some_and(|open| open.frames.shown().is_some());
+        let has_begun = self.open.as_ref().is_some_and(|open| open.frames.shows() > 0);
         if !has_begun || !self.steps.closes {
             return Ok(());
         }
@@ -152,6 +152,10 @@ impl App {
             Step::Overlay(is_on) => {
                 self.set_options(Options { overlay: is_on, ..self.viewer.options.clone() });
             }
+            Step::Turn(pre_rotation) => {
+                self.open.iter_mut().for_each(|open| open.frames.pretend(pre_rotation));
+            }
+            Step::LowMemory => self.give_back(events),
             Step::Suspend => self.suspend(events),
             Step::Resume => self.resume(events),
             Step::Stay => self.steps.closes = false,

@@ -1,15 +1,16 @@
-/* A host in C: makes its own device, embeds ontile, and writes the pixels of two frames.
+/* A host in C: makes its own device, embeds ontile, and writes the pixels of four frames, RGBA with 8 bits a channel.
  *
- *     host DEVICE OUTPUT     DEVICE: a part of the device's name
+ *     host DEVICE OUTPUT KTX2 SCENE
  *
- * It ends with 77 where there is no such device, with 1 and a message where something is wrong. */
+ * DEVICE is a part of the device's name. Two frames show a square that has the picture KTX2 on it, two show how the first animation
+ * moves SCENE. It ends with 77 where there is no such device, with 1 and a message where something is wrong. */
 #include "ontile.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 160, HEIGHT = 96, BYTES = WIDTH * HEIGHT * 4, FRAMES = 2 };
+enum { WIDTH = 160, HEIGHT = 96, BYTES = WIDTH * HEIGHT * 4, FRAMES = 2, WORLDS = 2 };
 
 static int messages = 0;
 
@@ -36,6 +37,7 @@ static VkPhysicalDevice physical;
 static VkDevice device;
 static VkQueue queue;
 static uint32_t family = UINT32_MAX;
+static uint32_t features = ONTILE_FEATURE_DEBUG_UTILS;
 static VkDebugUtilsMessengerEXT messenger;
 
 static void make_instance(void) {
@@ -85,7 +87,13 @@ static void make_device(const char *name) {
                                       .queueFamilyIndex = family,
                                       .queueCount = 1,
                                       .pQueuePriorities = &priority};
+    /* Compressed pictures become what the device has, and RGBA8 where nothing is enabled. */
+    VkPhysicalDeviceFeatures has, enabled = {0};
+    vkGetPhysicalDeviceFeatures(physical, &has);
+    enabled.textureCompressionBC = has.textureCompressionBC;
+    if (has.textureCompressionBC) features |= ONTILE_FEATURE_TEXTURE_COMPRESSION_BC;
     VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                               .pEnabledFeatures = &enabled,
                                .queueCreateInfoCount = 1,
                                .pQueueCreateInfos = &queues};
     VK(vkCreateDevice(physical, &info, NULL, &device));
@@ -104,14 +112,31 @@ static VkDeviceMemory memory_for(VkMemoryRequirements needs, VkMemoryPropertyFla
     return memory;
 }
 
-/* A square of four by four quads, and a light on it. */
-static OntileWorld *make_world(OntileId *instance_id) {
-    float positions[25 * 3], normals[25 * 3];
+static OntileId read_image(OntileWorld *world, const char *path) {
+    FILE *file = fopen(path, "rb");
+    check(file && fseek(file, 0, SEEK_END) == 0, path);
+    long bytes = ftell(file);
+    rewind(file);
+    uint8_t *content = malloc((size_t)bytes);
+    check(content && fread(content, (size_t)bytes, 1, file) == 1 && fclose(file) == 0, path);
+    OntileImage picture = {.name = "tiles", .ktx2 = content, .ktx2_bytes = (size_t)bytes};
+    OntileId image = 0;
+    ON(ontile_world_set_image(world, &image, &picture));
+    free(content);
+    return image;
+}
+
+static OntileId square = 0;
+
+/* A square of four by four quads with a picture, and a light on it. */
+static OntileWorld *make_world(const char *picture) {
+    float positions[25 * 3], normals[25 * 3], texcoords[25 * 2];
     uint32_t indices[16 * 6], n = 0;
     for (int i = 0; i < 25; i++) {
         float corner[3] = {(float)(i % 5) * 0.25f - 0.5f, (float)(i / 5) * 0.25f - 0.5f, 0}, normal[3] = {0, 0, 1};
         memcpy(positions + 3 * i, corner, sizeof corner);
         memcpy(normals + 3 * i, normal, sizeof normal);
+        texcoords[2 * i] = corner[0] + 0.5f, texcoords[2 * i + 1] = corner[1] + 0.5f;
         if (i % 5 == 4 || i / 5 == 4) continue;
         uint32_t at = (uint32_t)i, quad[6] = {at, at + 1, at + 6, at, at + 6, at + 5};
         memcpy(indices + n, quad, sizeof quad);
@@ -119,7 +144,12 @@ static OntileWorld *make_world(OntileId *instance_id) {
     }
     OntileWorld *world;
     ON(ontile_world_create("square", &world));
+    OntileTexture texture = {
+        .image = read_image(world, picture), .mag_linear = true, .min_linear = true, .mips = ONTILE_MIPS_LINEAR};
+    OntileId texture_id = 0;
+    ON(ontile_world_set_texture(world, &texture_id, &texture));
     OntileMaterial material = ontile_material_default();
+    material.base_color_texture.texture = texture_id;
     float color[4] = {0.8f, 0.4f, 0.2f, 1};
     memcpy(material.base_color_factor, color, sizeof color);
     material.roughness_factor = 0.5f;
@@ -129,12 +159,13 @@ static OntileWorld *make_world(OntileId *instance_id) {
                        .vertex_count = 25,
                        .positions = positions,
                        .normals = normals,
+                       .texcoords_0 = texcoords,
                        .index_count = n,
                        .indices = indices,
                        .material = material_id};
     ON(ontile_world_set_mesh(world, &mesh_id, &mesh));
     OntileInstance placed = {.mesh = mesh_id, .world_from_object = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
-    ON(ontile_world_set_instance(world, instance_id, &placed));
+    ON(ontile_world_set_instance(world, &square, &placed));
     OntileLight light = ontile_light_default();
     float position[3] = {0.5f, 0.5f, 1.5f};
     memcpy(light.position, position, sizeof position);
@@ -154,23 +185,71 @@ static OntileWorld *make_world(OntileId *instance_id) {
     return world;
 }
 
-int main(int count, char **arguments) {
-    if (count != 3) return 1;
-    check(ontile_abi_version() == ONTILE_ABI_VERSION, "the library is of another version than the header");
-    make_instance();
-    make_device(arguments[1]);
+static VkImage image;
+static VkImageView view;
+static VkDeviceMemory image_memory, buffer_memory;
+static VkBuffer buffer;
+static VkCommandPool pool;
+static VkCommandBuffer commands[FRAMES];
 
-    OntileHost host = {.get_instance_proc_addr = vkGetInstanceProcAddr,
-                       .instance = instance,
-                       .physical_device = physical,
-                       .device = device,
-                       .queue_family_index = family,
-                       .queue = queue,
-                       .features = ONTILE_FEATURE_DEBUG_UTILS};
-    OntileDevice *ontile;
-    ON(ontile_device_create(&host, &ontile));
-    OntileId square = 0;
-    OntileWorld *world = make_world(&square);
+/* What frames are drawn to, and where their pixels are read. */
+static void make_resources(OntileOutput output) {
+    VkImageCreateInfo image_info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                                    .imageType = VK_IMAGE_TYPE_2D,
+                                    .format = output.format,
+                                    .extent = {WIDTH, HEIGHT, 1},
+                                    .mipLevels = 1,
+                                    .arrayLayers = 1,
+                                    .samples = VK_SAMPLE_COUNT_1_BIT,
+                                    .usage = output.usage};
+    VK(vkCreateImage(device, &image_info, NULL, &image));
+    VkMemoryRequirements needs;
+    vkGetImageMemoryRequirements(device, image, &needs);
+    image_memory = memory_for(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    VK(vkBindImageMemory(device, image, image_memory, 0));
+    VkImageSubresourceRange whole = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    VkImageViewCreateInfo view_info = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                       .image = image,
+                                       .viewType = VK_IMAGE_VIEW_TYPE_2D,
+                                       .format = output.format,
+                                       .subresourceRange = whole};
+    VK(vkCreateImageView(device, &view_info, NULL, &view));
+    VkBufferCreateInfo buffer_info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                                      .size = WORLDS * FRAMES * BYTES,
+                                      .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+    VK(vkCreateBuffer(device, &buffer_info, NULL, &buffer));
+    vkGetBufferMemoryRequirements(device, buffer, &needs);
+    buffer_memory =
+        memory_for(needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+    VK(vkBindBufferMemory(device, buffer, buffer_memory, 0));
+    VkCommandPoolCreateInfo pool_info = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                         .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
+                                         .queueFamilyIndex = family};
+    VK(vkCreateCommandPool(device, &pool_info, NULL, &pool));
+    VkCommandBufferAllocateInfo allocate = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                            .commandPool = pool,
+                                            .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                            .commandBufferCount = FRAMES};
+    VK(vkAllocateCommandBuffers(device, &allocate, commands));
+}
+
+/* The square moves, and the second picture is upside down: the screen was turned. */
+static void move_square(OntileWorld *world, OntileTarget *target) {
+    float moved[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.3f, 0.1f, -0.5f, 1};
+    ON(ontile_world_place(world, square, moved));
+    check(ontile_target_pre_rotate(target, 45) == ONTILE_RESULT_ERROR_ARGUMENT, "an eighth of a turn");
+    ON(ontile_target_pre_rotate(target, 180));
+}
+
+static void play(OntileWorld *world, OntileTarget *target) {
+    (void)target;
+    ON(ontile_world_animate(world, 0, 1.25));
+    check(ontile_world_animate(world, 99, 0) == ONTILE_RESULT_ERROR_UNSUPPORTED, "no such animation");
+}
+
+/* Draws a world as it is, and again after a change; `number` says where the pixels go. */
+static void draw(OntileDevice *ontile, OntileWorld *world, const OntileCamera *camera, uint32_t number,
+                 void (*change)(OntileWorld *, OntileTarget *)) {
     OntileOptions *options;
     ON(ontile_options_create(&options));
     check(ontile_options_set(options, "layout", "none") == ONTILE_RESULT_ERROR_UNSUPPORTED, "no such layout");
@@ -187,55 +266,11 @@ int main(int count, char **arguments) {
     check(blob_bytes > 0 && plan_bytes > 0, "a cache and a plan");
     OntileOutput output;
     ON(ontile_renderer_output(renderer, &output));
-
-    VkImageCreateInfo image_info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-                                    .imageType = VK_IMAGE_TYPE_2D,
-                                    .format = output.format,
-                                    .extent = {WIDTH, HEIGHT, 1},
-                                    .mipLevels = 1,
-                                    .arrayLayers = 1,
-                                    .samples = VK_SAMPLE_COUNT_1_BIT,
-                                    .usage = output.usage};
-    VkImage image;
-    VK(vkCreateImage(device, &image_info, NULL, &image));
-    VkMemoryRequirements needs;
-    vkGetImageMemoryRequirements(device, image, &needs);
-    VkDeviceMemory image_memory = memory_for(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-    VK(vkBindImageMemory(device, image, image_memory, 0));
-    VkImageSubresourceRange whole = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    VkImageViewCreateInfo view_info = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-                                       .image = image,
-                                       .viewType = VK_IMAGE_VIEW_TYPE_2D,
-                                       .format = output.format,
-                                       .subresourceRange = whole};
-    VkImageView view;
-    VK(vkCreateImageView(device, &view_info, NULL, &view));
-    VkBufferCreateInfo buffer_info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                      .size = FRAMES * BYTES,
-                                      .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT};
-    VkBuffer buffer;
-    VK(vkCreateBuffer(device, &buffer_info, NULL, &buffer));
-    vkGetBufferMemoryRequirements(device, buffer, &needs);
-    VkDeviceMemory buffer_memory =
-        memory_for(needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
-    VK(vkBindBufferMemory(device, buffer, buffer_memory, 0));
+    if (!image) make_resources(output);
     OntileOutputImage output_image = {image, view};
     OntileTarget *target;
     ON(ontile_target_create(renderer, WIDTH, HEIGHT, &output_image, 1, &target));
 
-    VkCommandPoolCreateInfo pool_info = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, .queueFamilyIndex = family};
-    VkCommandPool pool;
-    VK(vkCreateCommandPool(device, &pool_info, NULL, &pool));
-    VkCommandBuffer commands[FRAMES];
-    VkCommandBufferAllocateInfo allocate = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                            .commandPool = pool,
-                                            .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-                                            .commandBufferCount = FRAMES};
-    VK(vkAllocateCommandBuffers(device, &allocate, commands));
-    OntileCamera camera = {.world_from_view = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 2, 1},
-                           .projection = ONTILE_PROJECTION_PERSPECTIVE,
-                           .vertical = 1,
-                           .z_near = 0.1f};
     for (uint32_t frame = 0; frame < FRAMES; frame++) {
         VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                           .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
@@ -243,17 +278,16 @@ int main(int count, char **arguments) {
         if (frame == 0) {
             ON(ontile_renderer_record_upload(renderer, commands[frame]));
         } else {
-            float moved[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.3f, 0.1f, -0.5f, 1};
-            ON(ontile_world_place(world, square, moved));
+            change(world, target);
             OntileUpdated updated;
             ON(ontile_renderer_update(renderer, world, commands[frame], &updated));
             check(!updated.new_targets && !updated.new_objects, "moving makes nothing");
             ON(ontile_world_clear_changes(world));
         }
-        check(ontile_renderer_record(renderer, commands[frame], FRAMES, target, 0, &camera, 0) ==
+        check(ontile_renderer_record(renderer, commands[frame], FRAMES, target, 0, camera, 0) ==
                   ONTILE_RESULT_ERROR_ARGUMENT, "a slot beyond the last");
-        ON(ontile_renderer_record(renderer, commands[frame], frame, target, 0, &camera, 0));
-        VkBufferImageCopy region = {.bufferOffset = frame * BYTES,
+        ON(ontile_renderer_record(renderer, commands[frame], frame, target, 0, camera, 0));
+        VkBufferImageCopy region = {.bufferOffset = (number * FRAMES + frame) * BYTES,
                                     .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                     .imageExtent = {WIDTH, HEIGHT, 1}};
         vkCmdCopyImageToBuffer(commands[frame], image, output.layout, buffer, 1, &region);
@@ -271,19 +305,55 @@ int main(int count, char **arguments) {
     VK(vkQueueWaitIdle(queue));
     ON(ontile_renderer_finish_upload(renderer));
 
-    void *pixels;
-    VK(vkMapMemory(device, buffer_memory, 0, VK_WHOLE_SIZE, 0, &pixels));
-    FILE *file = fopen(arguments[2], "wb");
-    check(file && fwrite(pixels, BYTES, FRAMES, file) == FRAMES && fclose(file) == 0, "writing the pixels");
-
     ontile_target_destroy(target);
     ontile_renderer_destroy(renderer);
     ontile_pipeline_cache_destroy(cache);
     ontile_options_destroy(options);
+}
+
+int main(int count, char **arguments) {
+    if (count != 5) return 1;
+    check(ontile_abi_version() == ONTILE_ABI_VERSION, "the library is of another version than the header");
+    make_instance();
+    make_device(arguments[1]);
+
+    OntileHost host = {.get_instance_proc_addr = vkGetInstanceProcAddr,
+                       .instance = instance,
+                       .physical_device = physical,
+                       .device = device,
+                       .queue_family_index = family,
+                       .queue = queue,
+                       .features = features};
+    OntileDevice *ontile;
+    ON(ontile_device_create(&host, &ontile));
+    OntileWorld *world = make_world(arguments[3]);
+    OntileCamera camera = {.world_from_view = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 2, 1},
+                           .projection = ONTILE_PROJECTION_PERSPECTIVE,
+                           .vertical = 1,
+                           .z_near = 0.1f};
+    draw(ontile, world, &camera, 0, move_square);
     ontile_world_destroy(world);
-    uint64_t objects = 1, bytes = 1;
-    ON(ontile_device_live(ontile, &objects, &bytes));
-    check(objects == 0 && bytes == 0, "objects are left");
+
+    ON(ontile_world_load_moving(arguments[4], &world));
+    size_t ids = 1, bytes = 0;
+    OntileId camera_id;
+    ON(ontile_world_ids(world, ONTILE_KIND_CAMERA, &ids, &camera_id));
+    ON(ontile_world_camera(world, camera_id, &camera));
+    ON(ontile_world_animations(world, &bytes, NULL));
+    check(bytes > 0, "animations");
+    ON(ontile_world_animate(world, 0, 0));
+    draw(ontile, world, &camera, 1, play);
+    ontile_world_destroy(world);
+
+    void *pixels;
+    VK(vkMapMemory(device, buffer_memory, 0, VK_WHOLE_SIZE, 0, &pixels));
+    FILE *file = fopen(arguments[2], "wb");
+    check(file && fwrite(pixels, BYTES, WORLDS * FRAMES, file) == WORLDS * FRAMES && fclose(file) == 0,
+          "writing the pixels");
+
+    uint64_t objects = 1, left_bytes = 1;
+    ON(ontile_device_live(ontile, &objects, &left_bytes));
+    check(objects == 0 && left_bytes == 0, "objects are left");
     ontile_device_destroy(ontile);
     vkDestroyCommandPool(device, pool, NULL);
     vkDestroyBuffer(device, buffer, NULL);

@@ -11,7 +11,10 @@ use ontile::glam::{Mat4, Vec2, Vec3, vec3};
 use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
 use ontile::picture::Pixels;
 use ontile::plan::{Layout, Needs, Options, Plan};
-use ontile::scene::{Camera, Instance, Light, LightKind, Material, Mesh, Projection, World};
+use ontile::scene::{
+    Camera, Image, Instance, Light, LightKind, Material, Mesh, Play, PreRotation, Projection, Sampler, Scene,
+    Texture, TextureRef, World,
+};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -22,7 +25,7 @@ const ABOUT: &str = "\
 /* ontile: deferred shading that never leaves the tile. Generated from src/capi by cbindgen.
  *
  * Objects are used by one thread at a time; several renderers on one device may be used by several threads. Functions that return an
- * OntileResult leave their results untouched when they fail, and ontile_last_error says why. src/capi/embedding.md has the whole of it.
+ * OntileResult leave their results untouched when they fail, and ontile_last_error says why. src/embedding.md has the whole of it.
  */";
 
 /// What vulkan.h declares.
@@ -75,7 +78,9 @@ fn header() -> String {
     let folder = std::fs::read_dir(root().join("src/capi")).unwrap();
     let mut files: Vec<_> = folder.map(|entry| entry.unwrap().path()).collect();
     files.sort();
-    for file in files.iter().filter(|file| file.extension().is_some_and(|e| e == "rs")) {
+    // mod.rs leads to all others, which would come twice.
+    let is_source = |path: &Path| path.extension().is_some_and(|e| e == "rs") && !path.ends_with("mod.rs");
+    for file in files.iter().filter(|file| is_source(file)) {
         builder = builder.with_src(file);
     }
     let mut text = Vec::new();
@@ -115,11 +120,25 @@ fn the_header_is_that_of_the_sources() {
     );
 }
 
+/// The picture on the square.
+const KTX2: &str = "tests/textures/uastc.ktx2";
+/// What moves by itself, and when.
+const MOVING: &str = "assets/charmer.glb";
+const TIME_S: f64 = 1.25;
+
 /// What `host.c` builds.
-fn world() -> World {
+fn square() -> World {
     let mut world = World::new("square");
+    let file = std::fs::read(root().join(KTX2)).unwrap();
+    let image = world.add(Image::from_ktx2("tiles", &file).unwrap()).unwrap();
+    let texture = world.add(Texture { image: image.index(), sampler: Sampler::default() }).unwrap();
     let material = Material {
         base_color_factor: vec3(0.8, 0.4, 0.2).extend(1.0),
+        base_color_texture: Some(TextureRef {
+            texture: texture.index(),
+            texcoord: 0,
+            uv_from_texcoord: TextureRef::IDENTITY,
+        }),
         metallic_factor: 0.0,
         roughness_factor: 0.5,
         ..Material::default()
@@ -129,8 +148,9 @@ fn world() -> World {
     let quads = (0..4).flat_map(|y| (0..4).map(move |x| y * 5 + x));
     let mesh = world
         .add(Mesh {
-            positions: corners.map(|corner| corner.extend(0.0)).collect(),
+            positions: corners.clone().map(|corner| corner.extend(0.0)).collect(),
             normals: vec![Vec3::Z; 25],
+            texcoords: [corners.map(|corner| corner + 0.5).collect(), Vec::new()],
             indices: quads.flat_map(|i| [i, i + 1, i + 6, i, i + 6, i + 5]).collect(),
             material: material.index(),
             ..Mesh::default()
@@ -142,31 +162,39 @@ fn world() -> World {
     world
 }
 
-/// The pictures that Rust gets of both frames.
+/// The pictures that Rust gets: the square as it stands, moved and upside down, and what a file's animation moves, before and after.
 fn expected() -> Vec<u8> {
     let device_name_part = Some("llvmpipe".into());
     let host = Headless::new(&HeadlessOptions { device_name_part, ..HeadlessOptions::default() }).unwrap();
     let device = host.device();
-    let mut world = world();
+    let mut world = square();
     let camera = Camera {
         name: String::new(),
         world_from_view: Mat4::from_translation(vec3(0.0, 0.0, 2.0)),
         projection: Projection::Perspective { yfov_rad: 1.0, znear_m: 0.1, zfar_m: None },
     };
     let mut pictures = Vec::new();
-    for place in [Vec3::ZERO, vec3(0.3, 0.1, -0.5)] {
-        let instance = world.ids::<Instance>().next().unwrap();
-        world.place(instance, Mat4::from_translation(place)).unwrap();
+    let mut draw = |world: &World, camera: &Camera, pre_rotation: PreRotation| {
         let options = Options { size: [160, 96], layout: Layout::Packed128, ..Options::default() };
         let plan = Plan::new(Needs::of(world.scene()), options, &device.limits()).unwrap();
         let cache = PipelineCache::new(device, &[]).unwrap();
         let mut frame =
             Offscreen::new(device, world.scene(), plan, RendererConfig::default(), &cache).unwrap();
-        frame.render(&View { camera: &camera, exposure_ev: 0.0 }).unwrap();
+        frame.pre_rotate(pre_rotation);
+        frame.render(&View { camera, exposure_ev: 0.0 }).unwrap();
         match frame.picture().pixels {
             Pixels::Rgba8(bytes) => pictures.extend(bytes),
             Pixels::Rgba32F(_) => panic!("the output has 8 bits a channel"),
         }
+    };
+    draw(&world, &camera, PreRotation::Identity);
+    let instance = world.ids::<Instance>().next().unwrap();
+    world.place(instance, Mat4::from_translation(vec3(0.3, 0.1, -0.5))).unwrap();
+    draw(&world, &camera, PreRotation::Rotate180);
+    let mut world = World::from(Scene::load_moving(&root().join(MOVING)).unwrap());
+    for time_s in [0.0, TIME_S] {
+        world.animate(&[Play { animation: 0, time_s }]).unwrap();
+        draw(&world, &world.scene().cameras[0], PreRotation::Identity);
     }
     pictures
 }
@@ -215,7 +243,11 @@ fn a_host_in_c_gets_the_same_pictures() {
     for (host, what) in [(&host, "static library"), (&shared, "shared library")] {
         let pixels = folder.join("pixels");
         let mut run = Command::new(host);
-        run.arg("llvmpipe").arg(&pixels).env("LD_LIBRARY_PATH", folder.join("lib"));
+        run.arg("llvmpipe")
+            .arg(&pixels)
+            .arg(root().join(KTX2))
+            .arg(root().join(MOVING))
+            .env("LD_LIBRARY_PATH", folder.join("lib"));
         let output = run.output().unwrap();
         if output.status.code() == Some(77) {
             return common::ignored_unless_required("no lavapipe with a validation layer for a host in C");
@@ -224,8 +256,10 @@ fn a_host_in_c_gets_the_same_pictures() {
         assert!(output.status.success(), "{what}: {}\n{said}", output.status);
         let actual = std::fs::read(&pixels).unwrap();
         assert_eq!(actual.len(), wanted.len());
-        let different = actual.iter().zip(&wanted).filter(|(a, b)| a != b).count();
-        assert_eq!(different, 0, "{what}: so many bytes differ");
-        assert!(wanted[..wanted.len() / 2] != wanted[wanted.len() / 2..], "the two frames must differ");
+        let pictures: Vec<_> = wanted.chunks(wanted.len() / 4).collect();
+        let differing = |(a, b): (&[u8], &&[u8])| a.iter().zip(*b).filter(|(a, b)| a != b).count();
+        let different: Vec<_> = actual.chunks(wanted.len() / 4).zip(&pictures).map(differing).collect();
+        assert_eq!(different, [0; 4], "{what}: so many bytes of each picture differ");
+        assert!(pictures[0] != pictures[1] && pictures[2] != pictures[3], "frames must differ");
     }
 }

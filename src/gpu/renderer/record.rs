@@ -189,7 +189,8 @@ impl Frame<'_> {
         let Some(overlay) = self.renderer.overlay.as_ref().filter(|o| !o.is_empty(self.slot)) else { return };
         let layout = self.bind_pipeline(overlay.pipeline());
         self.bind_set(layout, 0, overlay.set_of_image());
-        let counts = overlay.draw(self.recorder, self.slot, layout, self.target.extent());
+        let counts =
+            overlay.draw(self.recorder, self.slot, layout, self.target.extent(), self.target.pre_rotation());
         self.counts.draws += counts.draws;
         self.counts.triangles += counts.triangles;
     }

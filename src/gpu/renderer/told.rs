@@ -9,7 +9,7 @@ impl Renderer {
     /// each stage (with [`RendererConfig::stage_timestamps`](super::RendererConfig::stage_timestamps)) and at its end.
     ///
     /// # Errors
-    /// [`Error::Vulkan`], e.g. when the device was lost.
+    /// [`Error::Vulkan`](crate::Error::Vulkan), e.g. when the device was lost.
     pub fn query_results(&self, slot: usize) -> Result<QueryResults> {
         self.queries.results(slot as u32)
     }
@@ -18,7 +18,7 @@ impl Renderer {
     /// recording; the GPU has finished it. Empty without [`RendererConfig::count_fragments`](super::RendererConfig::count_fragments).
     ///
     /// # Errors
-    /// [`Error::Vulkan`], e.g. when the device was lost.
+    /// [`Error::Vulkan`](crate::Error::Vulkan), e.g. when the device was lost.
     pub fn draw_counts(&self, slot: usize) -> Result<Vec<DrawCount>> {
         self.fragments.as_ref().map_or(Ok(Vec::new()), |fragments| fragments.results(slot))
     }
