@@ -6,13 +6,13 @@
 
 layout(constant_id = ID_HAS_BEHIND) const bool HAS_BEHIND = false; // else there is no depth
 
-layout(set = SET_INPUTS, binding = BINDING_BEHIND_LIGHT) uniform texture2D behind_light;
-layout(set = SET_INPUTS, binding = BINDING_BEHIND_DEPTH) uniform texture2D behind_depth;
+#define SET_BEHIND SET_INPUTS
+#include "backdrop.glsl"
 
 layout(location = TARGET_LIGHT) out vec4 target_light;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    target_light = texelFetch(behind_light, pixel, 0);
-    gl_FragDepth = HAS_BEHIND ? texelFetch(behind_depth, pixel, 0).r : 0.0;
+    target_light = fetch_behind(behind_light, pixel);
+    gl_FragDepth = HAS_BEHIND ? fetch_behind(behind_depth, pixel).r : 0.0;
 }

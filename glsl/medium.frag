@@ -55,7 +55,7 @@ void main() {
     }
     if (REFRACTS) {
         // Where alpha has no surface, what is behind is seen straight ahead.
-        vec4 ahead = texelFetch(behind_light, ivec2(gl_FragCoord.xy), 0);
+        vec4 ahead = fetch_behind(behind_light, ivec2(gl_FragCoord.xy));
         vec3 behind = bent.light * tint + ahead.rgb * (1.0 - alpha);
         float background = dot(bent.background * tint, vec3(1.0 / 3.0)) + (1.0 - ahead.a) * (1.0 - alpha);
         target_light = vec4(exposed_light * frame.light_scale + behind, 1.0 - background);

@@ -177,4 +177,10 @@ fn ways_are_charted_beside_gbuffers() {
         assert!(folder.path().join(picture).is_file(), "no {picture}");
     }
     assert!(refused.lines().all(|line| page.contains(line)), "the page does not say why");
+    // The page is made of the figures alone.
+    let again = tempfile::tempdir().unwrap();
+    let merge = ["--ways", "--merge"].map(Path::new);
+    let (status, out, err) = ontile(&[&merge[..], &[folder.path(), Path::new("-o"), again.path()]].concat());
+    assert_eq!(status, Some(0), "{out}\n{err}");
+    assert_eq!(fs::read_to_string(again.path().join("README.md")).unwrap(), page);
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::scenes;
-use ontile::plan::{Layout, Limits, Needs, Options, Plan, Refraction};
+use ontile::plan::{Edges, Layout, Limits, Needs, Options, Plan, Refraction};
 use ontile::scene::Scene;
 
 fn plan(scene: &Scene, options: Options) -> Plan {
@@ -27,8 +27,10 @@ fn it_is_a_pass_where_something_bends_light() {
     let water = scenes::media_scenes::water();
     let refused =
         |options| Plan::new(Needs::of(&water), options, &Limits::default()).unwrap_err().to_string();
-    let samples = refused(Options { samples: 4, ..bent.clone() });
-    assert!(samples.contains("material 'sea'") && samples.contains("--samples 1"), "{samples}");
+    // What is stored and sampled is of all samples; marks of edges would be beside depth.
+    let all = Options { edges: Edges::All, ..bent.clone() };
+    let bytes = |samples| plan(&water, Options { samples, ..all.clone() }).bytes_moved() - 4;
+    assert_eq!([bytes(1), bytes(4)], [24, 96]);
     let split = refused(Options { layout: Layout::Rasa128, ..bent.clone() });
     assert!(split.contains("rasa128 keeps diffuse light apart"), "{split}");
     let mut thin = water;

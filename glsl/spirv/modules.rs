@@ -1,6 +1,7 @@
 // Written by tools/shaders.
 embed![
     "backdrop.frag",
+    "backdrop_samples.frag",
     "base.frag",
     "bloom.frag",
     "composite.frag",

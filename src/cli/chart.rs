@@ -68,8 +68,9 @@ pub struct ChartArgs {
     /// Measure the I-th of N parts of the cells only; --merge puts them together
     #[arg(long, value_name = "I/N", value_parser = shard, default_value = "1/1", allow_hyphen_values = true)]
     shard: [usize; 2],
-    /// Chart ways instead of G-buffers: samples a pixel (error against 64), decals, and shadows by maps and volumes
-    #[arg(long, conflicts_with_all = ["full", "shard", "merge"])]
+    /// Chart ways instead of G-buffers: samples a pixel (error against 64), decals, shadows by maps and volumes,
+    /// translucency and refraction
+    #[arg(long, conflicts_with_all = ["full", "shard"])]
     ways: bool,
     /// Measure nothing: put the results of these folders together
     #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["scenes", "full", "device", "shard"])]
@@ -88,14 +89,25 @@ fn shard(text: &str) -> Result<[usize; 2], String> {
 /// Measures or merges, and writes everything.
 pub fn run(args: &ChartArgs) -> Result<()> {
     if args.ways {
-        return ways(args);
+        let report = if args.merge.is_empty() { ways(args)? } else { merged_ways(args)? };
+        ways::write(&report, &args.output)?;
+        return print::text(&args.output.join("README.md").display());
     }
     let report = if args.merge.is_empty() { measured(args)? } else { merged(args)? };
     chart::write_all(&report, &args.output)?;
     print::text(&format_args!("{}{}", chart::summary(&report), args.output.join("README.md").display()))
 }
 
-fn ways(args: &ChartArgs) -> Result<()> {
+fn merged_ways(args: &ChartArgs) -> Result<ways::Report> {
+    let mut all = args.merge.iter().map(|folder| ways::Report::read(folder));
+    let first =
+        all.next().unwrap_or_else(|| Err(Error::unsupported("nothing is to be merged", "name folders")))?;
+    let report = all.try_fold(first, |mut report, other| report.merge(other?).map(|()| report))?;
+    make_folder(&args.output)?;
+    Ok(report)
+}
+
+fn ways(args: &ChartArgs) -> Result<ways::Report> {
     let scenes = args.scenes.iter().map(|path| load(path, &args.camera)).collect::<Result<Vec<_>>>()?;
     let host = host(args)?;
     make_folder(&args.output)?;
@@ -118,8 +130,7 @@ fn ways(args: &ChartArgs) -> Result<()> {
         }
     }
     drop(progress);
-    ways::write(&report, &args.output)?;
-    print::text(&args.output.join("README.md").display())
+    Ok(report)
 }
 
 fn host(args: &ChartArgs) -> Result<Headless> {

@@ -119,6 +119,8 @@ pub enum Module {
     MediumSamples,
     /// Copies what media sample to where they are drawn.
     Backdrop,
+    /// [`Self::Backdrop`] of several samples a pixel.
+    BackdropSamples,
     /// Adds a particle's light.
     Particle,
     /// [`Self::Particle`] of several samples a pixel.
@@ -180,6 +182,7 @@ impl Module {
         Self::OverlayVertex,
         Self::Overlay,
         Self::Pose,
+        Self::BackdropSamples,
         Self::Show,
         Self::ShowSamples,
         Self::Difference,
@@ -209,7 +212,7 @@ impl Module {
             Self::Peel | Self::PeelSamples => "peel.frag",
             Self::Composite | Self::CompositeSamples => "composite.frag",
             Self::Bloom => "bloom.frag",
-            Self::Backdrop => "backdrop.frag",
+            Self::Backdrop | Self::BackdropSamples => "backdrop.frag",
             Self::EdgeFilter => "edge_filter.frag",
             Self::ShadowVolumeVertex | Self::ShadowNearEndsVertex => "shadow_volume.vert",
             Self::ParticleVertex => "particle.vert",
@@ -236,6 +239,7 @@ impl Module {
             Self::PeelSamples => "peel_samples.frag",
             Self::CompositeSamples => "composite_samples.frag",
             Self::ForwardSamples => "forward_samples.frag",
+            Self::BackdropSamples => "backdrop_samples.frag",
             Self::ShowSamples => "show_samples.frag",
             _ => self.source(),
         }
@@ -253,6 +257,7 @@ impl Module {
             | Self::MediumSamples
             | Self::PeelSamples
             | Self::CompositeSamples
+            | Self::BackdropSamples
             | Self::ForwardSamples
             | Self::ShowSamples => &["MULTISAMPLED"],
             Self::ShadowNearEndsVertex => &["NEAR_ENDS"],
@@ -272,6 +277,7 @@ impl Module {
             Self::Peel => Self::PeelSamples,
             Self::Composite => Self::CompositeSamples,
             Self::Forward => Self::ForwardSamples,
+            Self::Backdrop => Self::BackdropSamples,
             Self::Show => Self::ShowSamples,
             other => other,
         }

@@ -5,20 +5,11 @@ use super::{Needs, Options, Path, Plan, Refraction};
 use crate::{Error, Result};
 
 /// # Errors
-/// [`Error::Unsupported`] where what media sample is not one light of one sample a pixel.
+/// [`Error::Unsupported`] where what media sample is not one light.
 pub(super) fn check(needs: &Needs, options: &Options, gbuffer: &GBuffer, path: Path) -> Result<()> {
     let Some(first) = needs.refracts.as_ref().filter(|_| options.refraction == Refraction::Pass) else {
         return Ok(());
     };
-    if options.samples > 1 {
-        return Err(Error::unsupported(
-            format!(
-                "{first} samples what is behind it, and of {} samples a pixel all would have to be stored and loaded again",
-                options.samples
-            ),
-            "use --samples 1, or --refraction none",
-        ));
-    }
     let split = gbuffer.added_light(false).is_some_and(|(_, split)| split);
     if split && path == Path::Deferred && needs.lit_opaque.is_some() {
         return Err(Error::unsupported(
@@ -36,9 +27,15 @@ pub(super) fn check(needs: &Needs, options: &Options, gbuffer: &GBuffer, path: P
 pub(super) fn note(needs: &Needs, options: &Options, bends: bool) -> Option<String> {
     let first = needs.transmits.as_ref()?;
     if bends {
+        let each = match options.samples {
+            1 => String::new(),
+            samples => {
+                format!(", each of {samples} samples a pixel by itself, all of which are stored for that")
+            }
+        };
         return Some(format!(
-            "{first} lets light through, bent at its surface (--refraction pass): what is behind is found where a ray that is bent there \
-             ends, as far before what is opaque in the same pixel as the eye sees it or the medium is thick; beyond the picture's edge it is \
+            "{first} lets light through, bent at its surface (--refraction pass){each}: what is behind is found where a ray that is bent there \
+             ends, as deep as what is opaque straight ahead or the medium is thick; beyond the picture's edge it is \
              that of the edge, behind what is nearer than the medium that of the same pixel; media are smooth, are not seen through each \
              other, and are below all that is blended"
         ));
@@ -65,7 +62,8 @@ impl Plan {
         let samples = |pass: &&super::Pass| {
             pass.subpasses.iter().flat_map(|subpass| &subpass.samples).any(|s| s.attachment == attachment)
         };
-        self.passes.iter().filter(samples).count() as u32 * self.attachments[attachment].format.bytes()
+        let super::Attachment { format, samples: count, .. } = self.attachments[attachment];
+        self.passes.iter().filter(samples).count() as u32 * format.bytes() * count
     }
 
     /// What the ledger prints of it; nothing where there is none.

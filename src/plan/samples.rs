@@ -105,7 +105,8 @@ pub(super) fn check_limits(
         }
     }
     // The tone curve, and what is shown in its place, goes through the samples of a pixel.
-    let reads = |s: &&Subpass| !s.inputs.is_empty() && !matches!(s.name, "tonemap" | "show" | "difference");
+    let looks = |s: &Subpass| !s.inputs.is_empty() || !s.samples.is_empty();
+    let reads = |s: &&Subpass| looks(s) && !matches!(s.name, "tonemap" | "show" | "difference");
     let mut subpasses = passes.iter().flat_map(|pass| &pass.subpasses);
     if let Some(subpass) = subpasses.find(reads).filter(|_| !limits.sample_shading) {
         return Err(Error::unsupported(

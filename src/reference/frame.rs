@@ -15,9 +15,10 @@ use super::media::{Film, behind};
 use super::particles::{Shine, Sparks};
 use super::quantise::{Stored, blend_light, decode, quantise, store_light};
 use super::refraction::Backdrop;
-use super::settings::Settings;
+use super::settings::{Behind, Settings};
 use super::shade::reflected_parts;
 use super::shadow::Occlusion;
+use super::through::Through;
 use super::tonemap::tonemap;
 use super::view::{Ray, View};
 use super::visibility::{Hit, Visibility};
@@ -114,7 +115,7 @@ impl<'a> Tracer<'a> {
     /// # Panics
     /// If an index within the scene is out of range.
     pub fn render(&self, camera: &Camera, settings: &Settings) -> Frame {
-        let refracts = settings.refraction && self.blended.is_some();
+        let refracts = settings.behind == Behind::Picture && self.blended.is_some();
         let backdrop = refracts.then(|| Backdrop::new(self.draw(camera, settings, None, false)));
         self.draw(camera, settings, backdrop.as_ref(), true)
     }
@@ -161,6 +162,11 @@ impl<'a> Tracer<'a> {
                     let (of, exposure) = (blended.visibility(), settings.exposure());
                     let film = match backdrop {
                         Some(b) => b.film(of, (&view, [x, y]), exposure, (&ray, hit), shown),
+                        None if settings.behind == Behind::Rays => {
+                            let (opaque, view) = (visibility, &view);
+                            let through = Through { opaque, blended: of, around, occlusion, view, settings };
+                            through.film((&ray, hit), shown).map(|film| (film, false))
+                        }
                         None => {
                             Film::new(of, &view, exposure, (&ray, hit, opaque_m), shown).map(|f| (f, false))
                         }

@@ -2,8 +2,9 @@
 //!
 //! The model is that of KHR_materials_volume's sample viewer (`getVolumeTransmissionRay`, `getIBLVolumeRefraction`): the view ray is
 //! bent by Snell's law, ends after some way, and what the picture shows there is taken for what it meets. Two things are other
-//! here: the way is as long as that of the unbent ray to what is opaque, and the medium's thickness at most, so that what
-//! stands out of water is whole; and what absorbs is the way to what was found.
+//! here: the ray ends as far below the surface as the unbent one does where it meets something opaque, and after the medium's
+//! thickness at most, so that what stands out of water is whole, and a bottom that is parallel to the surface is seen where it
+//! is; and what absorbs is the way to what was found.
 
 use glam::{DVec2, DVec3};
 
@@ -69,7 +70,9 @@ impl Backdrop {
     ) -> (Bent, bool) {
         let position_world = ray.at(hit.distance);
         let direction = refract(ray.direction.normalize(), normal_world, 1.0 / f64::from(transmission.ior));
-        let end_world = position_world + direction * self.way_m(position_world, pixel, transmission);
+        let steeper =
+            normal_world.dot(-ray.direction.normalize()).max(0.0) / (-normal_world.dot(direction)).max(1e-6);
+        let end_world = position_world + direction * self.way_m(position_world, pixel, transmission, steeper);
         let last = self.picture.size.map(|side| side - 1);
         let (mut sum, mut weights, mut edge) = (Bent::default(), 0.0, false);
         if let Some(place) = view.place(end_world) {
@@ -105,17 +108,17 @@ impl Backdrop {
         weight: f64,
     ) {
         let shown = self.picture.pixel(pixel[0], pixel[1]);
-        let left = transmission.left_after(self.way_m(position_world, pixel, transmission)) * weight;
+        let left = transmission.left_after(self.way_m(position_world, pixel, transmission, 1.0)) * weight;
         sum.light += shown.linear * left;
         sum.left += left;
         sum.background += if shown.covered { DVec3::ZERO } else { left };
     }
 
-    /// Light takes no longer way than the medium is thick, also from where nothing is.
-    fn way_m(&self, position_world: DVec3, [x, y]: [u32; 2], transmission: &Transmission) -> f64 {
+    /// To what a pixel shows, or a share of that: light takes no longer way than the medium is thick, also from where nothing is.
+    fn way_m(&self, position_world: DVec3, [x, y]: [u32; 2], transmission: &Transmission, share: f64) -> f64 {
         let shown = self.picture.pixel(x, y);
         let most = f64::from(transmission.thickness_m);
-        let way = shown.attributes.position_world.distance(position_world);
+        let way = shown.attributes.position_world.distance(position_world) * share;
         if shown.covered { way.min(most) } else { most }
     }
 
@@ -128,7 +131,7 @@ impl Backdrop {
 }
 
 /// Snell's law for a ray of this direction, both of unit length, that enters what is `1 / eta` as dense (`refract` of GLSL).
-fn refract(direction: DVec3, normal: DVec3, eta: f64) -> DVec3 {
+pub(crate) fn refract(direction: DVec3, normal: DVec3, eta: f64) -> DVec3 {
     let cosine = -normal.dot(direction);
     let inside = (1.0 - eta * eta * (1.0 - cosine * cosine)).max(0.0).sqrt();
     direction * eta + normal * (eta * cosine - inside)

@@ -35,9 +35,28 @@ pub struct Settings {
     pub brdf: Brdf,
     /// What stores the lightmap; `None` keeps f64.
     pub lightmap: Option<TexelFormat>,
-    /// Whether media show what is behind them where a plan that refracts finds it
+    /// Where media find what is behind them.
+    pub behind: Behind,
+}
+
+/// Where media find what is behind them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Behind {
+    /// Straight behind them, not bent.
+    #[default]
+    Straight,
+    /// Bent, in the picture of what is opaque, where a plan that refracts looks for it
     /// ([`Plan::refracts`](crate::plan::Plan::refracts)).
-    pub refraction: bool,
+    Picture,
+    /// Bent, by rays: where it is.
+    Rays,
+}
+
+impl Behind {
+    /// Of a plan's pictures.
+    pub fn of(plan: &crate::plan::Plan) -> Self {
+        if plan.refracts() { Self::Picture } else { Self::Straight }
+    }
 }
 
 impl Default for Settings {
@@ -55,7 +74,7 @@ impl Default for Settings {
             around: Method::default(),
             brdf: Brdf::Exact,
             lightmap: None,
-            refraction: false,
+            behind: Behind::Straight,
         }
     }
 }

@@ -92,6 +92,7 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
     let opaque: usize = opaque.map(|(mesh, _)| mesh.indices.len() / 3).sum();
     let hides = opaque > 1 || (opaque == 1 && over);
     let shadow = opaque > 0 && triangles > 1 && shining().any(|light| light.shadow.is_some());
+    let volumes = shadow && shining().any(|l| l.shadow.is_some_and(|shadow| shadow.volume == Some(true)));
     let moves = scene.instances.iter().any(|instance| instance.dynamic);
     let globe = shining().any(|light| light.globe_map.is_some());
     let sky = has_sky_light(scene) && scene.background == Background::Environment;
@@ -273,6 +274,9 @@ fn rules(scene: &Scene) -> Vec<(&'static str, bool)> {
         ("buffer probes", probes),
         ("buffer shadow views", shadow),
         ("buffer casters", shadow),
+        ("buffer volume caster", volumes),
+        ("shadow volume:", volumes),
+        ("shadowed light:", volumes),
     ]
 }
 

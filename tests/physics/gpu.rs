@@ -10,7 +10,7 @@ use ontile::plan::{
     Plan, Refraction, Show, Tonemap, Translucency,
 };
 use ontile::reference::around::Method;
-use ontile::reference::{Settings, Stored};
+use ontile::reference::{Behind, Settings, Stored};
 use ontile::scene::{Camera, Scene};
 
 use crate::SIZE;
@@ -167,7 +167,7 @@ impl Gpu {
             around: Method::Prefiltered(plan.options.environment_format),
             brdf: ask.brdf,
             lightmap: Some(plan.options.lightmap_format),
-            refraction: plan.refracts(),
+            behind: Behind::of(&plan),
             ..Settings::default()
         };
         let mut offscreen = Offscreen::new(device, scene, plan, RendererConfig::default(), &self.cache)

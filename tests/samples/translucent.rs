@@ -4,11 +4,12 @@ use super::common::ignored;
 use super::common::render::{Gpu, difference, on_device};
 use super::common::scenes::decal_scenes::decals_behind_glass;
 use super::common::scenes::glass_scenes::{crossing, glass, glass_alone, glass_in_fog};
+use super::common::scenes::media_scenes::{water, water_in_fog};
 use super::{error, light_of};
 use ontile::glam::DVec3;
-use ontile::plan::{Layout, Needs, Options, Plan, Strategy, Translucency};
+use ontile::plan::{Layout, Needs, Options, Plan, Refraction, Strategy, Translucency};
 use ontile::reference::samples::{STANDARD_4, supersampled};
-use ontile::reference::{Frame, Pixel, Settings, render};
+use ontile::reference::{Behind, Frame, Pixel, Settings, render};
 use ontile::scene::Scene;
 
 const SIZE: [u32; 2] = [96, 54];
@@ -109,6 +110,34 @@ fn samples_are_sorted_each_by_itself() {
                 };
                 assert!(!same || within <= most, "{name}: {within}");
             }
+        }
+    });
+}
+
+/// Each sample sees what is behind it in the picture of the samples at its place.
+#[test]
+fn light_is_bent_for_each_sample() {
+    on_device(None, |gpu| {
+        for scene in [water(), water_in_fog()] {
+            let left = [(Refraction::None, Behind::Straight), (Refraction::Pass, Behind::Picture)].map(
+                |(refraction, behind)| {
+                    let settings = Settings { size: SIZE, behind, ..Settings::default() };
+                    let shown = |pixel: &Pixel| pixel.display;
+                    let truth = supersampled(&scene, &scene.cameras[0], &settings, &STANDARD_4, shown);
+                    let errors = [1, 4].map(|samples| {
+                        let options = Options { size: SIZE, samples, refraction, ..Options::default() };
+                        error(&light_of(gpu, &scene, options), &truth)
+                    });
+                    println!(
+                        "{}, {refraction}: RMS error to the same samples, 1x and 4x: {errors:.5?}",
+                        scene.name
+                    );
+                    errors[1] / errors[0]
+                },
+            );
+            assert!(scene.name != "water" || left[1] < MOST_LEFT, "{}: {left:?}", scene.name);
+            // What else differs, as fog that is laid over pixels, differs without too.
+            assert!(left[1] < left[0] * 1.05, "{}: {left:?}", scene.name);
         }
     });
 }

@@ -98,4 +98,6 @@ sweeps! {
     masks_and_samples "masks",
     panes_in_any_order "translucency",
     joints_at_their_limits "posing",
+    sparks_at_surfaces "particles",
+    water_that_bends "refraction",
 }

@@ -96,20 +96,22 @@ fn refraction_stores_what_it_samples() {
         bent("water_and_more", Layout::Packed128),
         Case { path: LightPath::Forward, ..bent("water", Layout::Metallic128) },
         local_read(bent("water_and_more", Layout::Metallic128)),
+        Case { samples: 4, edges: Edges::All, ..bent("water", Layout::Metallic128) },
     ];
     for case in &cases {
         frames(&turnip, case, |gpu, frame| {
             let report = &frame.told.report;
             let TilerTrace { passes, warnings } = frame.trace.after(shadow_tiles(report));
-            // Light in half floats and depth; the picture.
-            for (pass, stored) in passes.iter().zip([12, 4]) {
+            // Light in half floats and depth, of each sample; the picture.
+            let sampled = 12 * case.samples;
+            for (pass, stored) in passes.iter().zip([sampled, 4]) {
                 let alone = TilerTrace { passes: vec![pass.clone()], warnings: warnings.clone() };
                 assert_eq!(alone.verdict(stored), Verdict::OnTile, "{case:?} on {gpu}");
             }
             assert_eq!(passes.len(), 2, "{case:?} on {gpu}");
             let totals = &report["totals"];
-            assert_eq!(totals["stored_bytes_per_pixel"]["value"], 16.0);
-            assert_eq!(totals["loaded_bytes_per_pixel"]["value"], 12.0);
+            assert_eq!(totals["stored_bytes_per_pixel"]["value"], f64::from(sampled + 4));
+            assert_eq!(totals["loaded_bytes_per_pixel"]["value"], f64::from(sampled));
             let mut objections = commitments(report);
             objections.retain(|o| {
                 !["\"light\" ", "\"depth\" ", "\"depth_test\" "].iter().any(|n| o.starts_with(n))

@@ -206,6 +206,8 @@ fn lantern(glb: &mut Glb) -> (usize, Keys) {
     };
     let below = Pose::looking(Vec3::new(0.0, -1.02, 0.0), Vec3::new(0.0, -2.0, -0.12));
     let light = glb.light(light, below);
+    // It never hangs still: a map of its shadows would be drawn anew for every frame.
+    glb.extras(light, json!({"shadow": {"volume": true}}));
     let pivot = glb.group("pivot", &[cage, glow, light], Pose::at(0.25, 2.45, 0.25));
     let swing = (0..=8).map(|i| {
         let t = i as f32 / 8.0;

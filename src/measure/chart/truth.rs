@@ -8,7 +8,7 @@ use crate::measure::{compare, stored};
 use crate::picture::{Picture, Pixels};
 use crate::plan::{Brdf, Choice, Layout, Needs, Options, OutputFormat, Plan, Tonemap};
 use crate::reference::around::Method;
-use crate::reference::{Frame, Settings, Stored, render, shade_gbuffer};
+use crate::reference::{Behind, Frame, Settings, Stored, render, shade_gbuffer};
 use crate::scene::{Camera, Scene};
 use crate::{Error, Result};
 
@@ -86,7 +86,7 @@ impl Stage<'_> {
             brdf: Brdf::Exact,
             around: Method::Prefiltered(plan.options.environment_format),
             lightmap: Some(plan.options.lightmap_format),
-            refraction: plan.refracts(),
+            behind: Behind::of(plan),
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::measure::magma;
 use crate::picture::{Picture, Pixels};
 use crate::plan::{Layout, Needs, Options, OutputFormat, Plan, Tonemap};
 use crate::reference::around::Method;
-use crate::reference::{self, Frame, Settings, Tracer};
+use crate::reference::{self, Behind, Frame, Settings, Tracer};
 use crate::scene::Scene;
 use crate::{Error, Result};
 
@@ -81,7 +81,9 @@ impl Bench {
 
     /// The true frame of the scene's first camera, and what this device's rasteriser may make of it.
     pub(super) fn truth(&self, scene: &Scene, options: &Options, exposure_ev: f32) -> Truth {
-        let settings = settings(options, exposure_ev);
+        let plan = Plan::new(Needs::of(scene), options.clone(), &self.device().limits());
+        let behind = plan.map_or_else(|_| Behind::default(), |plan| Behind::of(&plan));
+        let settings = Settings { behind, ..settings(options, exposure_ev) };
         let tracer = Tracer::new(scene, &settings);
         let frame = |shift_px| tracer.render(&scene.cameras[0], &Settings { shift_px, ..settings.clone() });
         let half_a_step_px = 0.5 * f64::from(self.device().caps().sub_pixel_precision_bits).exp2().recip();
@@ -91,6 +93,11 @@ impl Bench {
             moved: corners.map(|(x, y)| frame(DVec2::new(x, y) * half_a_step_px)),
         }
     }
+}
+
+/// The true frame of the scene's first camera, with media that find what is behind them in this way.
+pub(super) fn frame_behind(scene: &Scene, options: &Options, behind: Behind) -> Frame {
+    reference::render(scene, &scene.cameras[0], &Settings { behind, ..settings(options, 0.0) })
 }
 
 /// A frame in f64, and what may be seen of it through a rasteriser that rounds vertices to a lattice of

@@ -19,8 +19,10 @@ mod light_target;
 mod lights;
 mod masks;
 mod normals;
+mod particles;
 mod parts;
 mod posing;
+mod refraction;
 mod report;
 mod samples;
 mod shading;
@@ -91,6 +93,8 @@ impl Sweep {
         masks::MASKS,
         translucency::TRANSLUCENCY,
         posing::POSING,
+        particles::PARTICLES,
+        refraction::REFRACTION,
     ];
 
     /// The sweep of this name.

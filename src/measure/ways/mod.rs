@@ -1,11 +1,14 @@
-//! What a frame's ways cost and what they are worth: samples a pixel, decals, shadows. Beside [`super::chart`], whose points are
+//! What a frame's ways cost and what they are worth: samples a pixel, decals, shadows, translucency, refraction. Beside [`super::chart`], whose points are
 //! G-buffers.
 //!
 //! A [`Series`] has several ways to one picture, drawn in turns, and one truth in f64: 64 samples a pixel for samples, rays for
-//! shadows, the same paint for decals. Where surfaces have textures, whose filters are the driver's own, the latter two shade what the
+//! shadows, the same paint for decals, bent rays for refraction; for translucency it is the device's own picture of many layers that were
+//! peeled off. Where surfaces have textures, whose filters are the driver's own, shadows and decals shade what the
 //! layout `exact` stored of them. Errors are roots of mean squares, of display light before it is cut into 8 bits.
 
 mod page;
+
+use std::path::Path;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -14,14 +17,19 @@ use super::chart::{self, is_textured};
 use super::{Clock, Effort, Racer, Summary, lit_by_sample, race};
 use crate::gpu::{Device, Offscreen, PipelineCache, RendererConfig, View};
 use crate::picture::Pixels;
-use crate::plan::{DecalWay, Edges, Layout, Needs, Options, OutputFormat, Plan, ShadowFilter};
+use crate::plan::{
+    DecalWay, Edges, Layout, Needs, Options, OutputFormat, Plan, Refraction, ShadowFilter, Translucency,
+};
 use crate::reference::around::Method;
 use crate::reference::samples::{grid, supersampled};
-use crate::reference::{self, Pixel, Settings};
+use crate::reference::{self, Behind, Pixel, Settings};
 use crate::scene::{Camera, Scene};
 use crate::{Error, Result};
 
 pub use page::write;
+
+/// As many layers as may be peeled off.
+const MOST_LAYERS: u32 = 16;
 
 /// What varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -33,6 +41,10 @@ pub enum Series {
     Decals,
     /// Shadow maps by their filters and texels, and volumes.
     Shadows,
+    /// How what is blended is brought into order.
+    Translucency,
+    /// Whether media bend light.
+    Refraction,
 }
 
 /// One way in one scene.
@@ -80,6 +92,44 @@ pub struct Report {
     pub points: Vec<Point>,
 }
 
+impl Report {
+    const FILE: &str = "ways.json";
+
+    /// What [`write`] has left in a folder.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if there is none; [`Error::Input`] if it cannot be understood.
+    pub fn read(folder: &Path) -> Result<Self> {
+        let path = folder.join(Self::FILE);
+        let json = std::fs::read(&path).map_err(|e| Error::io(&path, "read", e))?;
+        serde_json::from_slice(&json).map_err(|e| {
+            let problem = format!("it is no chart of ways of this version ({e})");
+            Error::input(&path, "the file", problem, "chart the scenes again")
+        })
+    }
+
+    /// Takes in what was measured elsewhere on a device of the same name; of what both have, the newcomer's.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the devices, drivers or clocks differ.
+    pub fn merge(&mut self, other: Self) -> Result<()> {
+        let by = |report: &Self| (report.device.clone(), report.driver.clone(), report.clock);
+        if by(self) != by(&other) {
+            return Err(Error::unsupported(
+                format!(
+                    "one chart is of {} ({}), another of {} ({}): times of two devices do not go into one",
+                    self.device, self.driver, other.device, other.driver
+                ),
+                "merge the charts of each device by themselves",
+            ));
+        }
+        let what = |p: &Point| (p.scene.clone(), p.size, p.series, p.way.clone());
+        self.points.retain(|old| !other.points.iter().any(|new| what(new) == what(old)));
+        self.points.extend(other.points);
+        Ok(())
+    }
+}
+
 /// The series that a scene has, each with its ways over the options.
 pub fn series(needs: &Needs, options: &Options) -> Vec<(Series, Vec<(String, Options)>)> {
     let mut all = Vec::new();
@@ -99,7 +149,9 @@ pub fn series(needs: &Needs, options: &Options) -> Vec<(Series, Vec<(String, Opt
             [Layout::Metallic128, Layout::Packed128, Layout::Thibieroz128].map(on).concat(),
         ));
     }
-    if needs.shadows.lights.iter().any(|light| light.no_volume.is_none()) {
+    // What is blended is lit as it is drawn, by maps alone.
+    let blends = needs.blended.is_some() || needs.transmits.is_some();
+    if !blends && needs.shadows.lights.iter().any(|light| light.no_volume.is_none()) {
         let mut ways = Vec::new();
         for (filter, texels) in [ShadowFilter::Hardware, ShadowFilter::Grid3]
             .into_iter()
@@ -111,6 +163,14 @@ pub fn series(needs: &Needs, options: &Options) -> Vec<(Series, Vec<(String, Opt
         }
         ways.push(("volumes".into(), Options { shadow_volumes: true, ..options.clone() }));
         all.push((Series::Shadows, ways));
+    }
+    if needs.blended.is_some() {
+        let way = |&translucency| (format!("{translucency}"), Options { translucency, ..options.clone() });
+        all.push((Series::Translucency, Translucency::ALL.iter().map(way).collect()));
+    }
+    if needs.refracts.is_some() {
+        let way = |&refraction| (format!("{refraction}"), Options { refraction, ..options.clone() });
+        all.push((Series::Refraction, Refraction::ALL.iter().map(way).collect()));
     }
     all
 }
@@ -175,8 +235,20 @@ impl Stage<'_> {
             lightmap: Some(options.lightmap_format),
             ..Settings::default()
         };
+        let shown = |pixel: &Pixel| pixel.display;
+        if series == Series::Translucency {
+            let (layout, translucency) = (Layout::Exact, Translucency::Peeled);
+            let layers = Some(MOST_LAYERS);
+            let ruler = Options { layout, translucency, translucency_layers: layers, ..options.clone() };
+            return Ok(self.light(ruler, cache)?.into_iter().map(Some).collect());
+        }
+        if series == Series::Refraction {
+            let settings = Settings { behind: Behind::Rays, ..settings };
+            let light = supersampled(self.scene, self.camera, &settings, &grid(4), shown);
+            let frame = reference::render(self.scene, self.camera, &settings);
+            return Ok(light.into_iter().zip(&frame.pixels).map(|(l, p)| (!p.edge).then_some(l)).collect());
+        }
         if series == Series::Samples {
-            let shown = |pixel: &Pixel| pixel.display;
             let light = supersampled(self.scene, self.camera, &settings, &grid(8), shown);
             return Ok(light.into_iter().map(Some).collect());
         }
@@ -192,6 +264,21 @@ impl Stage<'_> {
         Ok(frame.pixels.iter().map(|pixel| (!pixel.edge).then_some(pixel.display)).collect())
     }
 
+    fn plan(&self, options: Options) -> Result<Plan> {
+        Plan::new(Needs::of(self.scene), options, &self.device.limits())
+    }
+
+    /// Display light of each pixel, drawn in floats.
+    fn light(&self, options: Options, cache: &PipelineCache) -> Result<Vec<DVec3>> {
+        let plan = self.plan(Options { output: OutputFormat::Rgba32Float, ..options })?;
+        let mut offscreen = Offscreen::new(self.device, self.scene, plan, RendererConfig::default(), cache)?;
+        offscreen.render(&View { camera: self.camera, exposure_ev: self.exposure_ev })?;
+        let Pixels::Rgba32F(light) = offscreen.picture().pixels else {
+            unreachable!("the output is of floats")
+        };
+        Ok(light.chunks_exact(4).map(|p| DVec3::new(p[0].into(), p[1].into(), p[2].into())).collect())
+    }
+
     fn figures(
         &self,
         options: &Options,
@@ -199,20 +286,12 @@ impl Stage<'_> {
         truth: &[Option<DVec3>],
         cache: &PipelineCache,
     ) -> Result<Figures> {
-        let plan = |options: Options| Plan::new(Needs::of(self.scene), options, &self.device.limits());
-        let floats = plan(Options { output: OutputFormat::Rgba32Float, ..options.clone() })?;
-        let mut offscreen =
-            Offscreen::new(self.device, self.scene, floats, RendererConfig::default(), cache)?;
-        let view = View { camera: self.camera, exposure_ev: self.exposure_ev };
-        offscreen.render(&view)?;
-        let Pixels::Rgba32F(light) = offscreen.picture().pixels else {
-            unreachable!("the output is of floats")
-        };
-        let light = light.chunks_exact(4).map(|p| DVec3::new(p[0].into(), p[1].into(), p[2].into()));
+        let light = self.light(options.clone(), cache)?.into_iter();
         let squares =
             light.zip(truth).filter_map(|(light, truth)| Some((light - (*truth)?).length_squared()));
         let (sum, count) = squares.fold((0.0, 0_usize), |(sum, count), square| (sum + square, count + 1));
-        let plan = plan(options.clone())?;
+        let plan = self.plan(options.clone())?;
+        let view = View { camera: self.camera, exposure_ev: self.exposure_ev };
         let map = plan.shadow_map.as_ref();
         Ok(Figures {
             frame_ms: Summary::of(frame_ms)

@@ -9,13 +9,15 @@ use crate::measure::chart::{Field, Point as Mark, Scatter, pareto};
 use crate::{Error, Result, file};
 
 impl Series {
-    const ALL: [Self; 3] = [Self::Samples, Self::Decals, Self::Shadows];
+    const ALL: [Self; 5] = [Self::Samples, Self::Decals, Self::Shadows, Self::Translucency, Self::Refraction];
 
     fn title(self) -> &'static str {
         match self {
             Self::Samples => "Samples a pixel",
             Self::Decals => "Decals",
             Self::Shadows => "Shadows",
+            Self::Translucency => "Translucency",
+            Self::Refraction => "Refraction",
         }
     }
 
@@ -29,6 +31,13 @@ impl Series {
                 "Against the same paint in f64, where no edge of a surface is. Ways of one layout that have the same error paint the \
                  same picture."
             }
+            Self::Translucency => {
+                "Against 16 layers that were peeled off over surfaces that nothing rounds: what `peeled` is off by is the G-buffer's."
+            }
+            Self::Refraction => {
+                "Against rays that are bent at surfaces, 16 a pixel, where no edge of a surface is. `none` bends nothing and stays on the \
+                 tile; `pass` looks for what is behind in what it stores of it. Textures are filtered in another way than theirs."
+            }
             Self::Shadows => {
                 "Against rays, where no edge of a surface is, edges of shadows included. Maps that stand still are kept: their bytes are \
                  of a frame that draws all of them, their time is of frames that draw none."
@@ -39,7 +48,10 @@ impl Series {
     /// What of memory the ways differ in, bytes a pixel.
     fn bytes(self, point: &Point, figures: &Figures) -> (f64, &'static str) {
         match self {
-            Self::Samples | Self::Decals => (figures.on_tile.into(), "bytes a pixel on the tile (planned)"),
+            Self::Refraction => (figures.moved.into(), "bytes a pixel loaded and stored (planned)"),
+            Self::Samples | Self::Decals | Self::Translucency => {
+                (figures.on_tile.into(), "bytes a pixel on the tile (planned)")
+            }
             Self::Shadows => {
                 let pixels = f64::from(point.size[0]) * f64::from(point.size[1]);
                 let bytes = f64::from(figures.moved) + figures.shadow_bytes as f64 / pixels;
@@ -58,7 +70,7 @@ pub fn write(report: &Report, folder: &Path) -> Result<()> {
         let remedy = "give scenes with lit surfaces, decals or shadows, and a device that draws them";
         return Err(Error::unsupported("no scene has ways that could be measured", remedy));
     }
-    let path = folder.join("ways.json");
+    let path = folder.join(Report::FILE);
     let json = serde_json::to_string_pretty(report).map_err(|e| Error::io(&path, "write", e.into()))?;
     file::write_whole(&path, format!("{json}\n").as_bytes())?;
     let mut page = String::from("# Ways of a frame: speed against accuracy\n\n");
