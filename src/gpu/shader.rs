@@ -141,7 +141,7 @@ pub enum Module {
 
 impl Module {
     /// Every module that exists.
-    pub const ALL: [Self; 43] = [
+    pub const ALL: [Self; 44] = [
         Self::GeometryVertex,
         Self::ShadowVertex,
         Self::LightVolume,

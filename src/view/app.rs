@@ -12,6 +12,7 @@ use winit::event::{ElementState, StartCause, TouchPhase, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
+use super::clock::Clock;
 use super::compare::{Compare, Divider, GAIN, How, MIDDLE};
 use super::course::Course;
 use super::frames::{Drawn, Frames};
@@ -24,7 +25,7 @@ use super::reload::Reload;
 use super::rig::{Motion, Rig};
 use super::steps::Steps;
 use super::{Viewer, no_window};
-use crate::gpu::{View, WindowHandles};
+use crate::gpu::{PresentMode, View, WindowHandles};
 use crate::plan::Options;
 use crate::scene::{Scene, World};
 use crate::{Error, Result};
@@ -72,13 +73,6 @@ pub(super) struct Open {
     pub(super) overlay: Option<(Overlay, u64)>,
 }
 
-/// When frames were drawn.
-struct Clock {
-    last: Instant,
-    told: Instant,
-    frames: u32,
-}
-
 /// A file's name that is not taken.
 pub(super) fn free_name(extension: &str) -> PathBuf {
     let name = |n: u32| PathBuf::from(format!("ontile-{n:04}.{extension}"));
@@ -100,7 +94,6 @@ impl App {
         let rig = Rig::new(&scene, camera, Motion::Orbit);
         let Viewer { animation, time_s, script, .. } = &viewer;
         let player = Player::first(&scene, animation.as_deref(), *time_s, script.is_none())?;
-        let now = Instant::now();
         let steps = Steps::new(viewer.script.take());
         Ok(Self {
             rig,
@@ -120,7 +113,7 @@ impl App {
             loading: None,
             loaded: None,
             is_occluded: false,
-            clock: Clock { last: now, told: now, frames: 0 },
+            clock: Clock::new(),
             message: RefCell::default(),
             asks_help: false,
             compare: Compare::default(),
@@ -249,8 +242,7 @@ impl App {
         self.show_loaded();
         #[cfg(feature = "shader-compiler")]
         self.take_modules();
-        let seconds = self.clock.last.elapsed().as_secs_f32();
-        self.clock.last = Instant::now();
+        let seconds = self.clock.begin();
         let flight = self.keys.flight();
         if flight != glam::Vec3::ZERO {
             self.rig.fly(flight * seconds.min(0.1));
@@ -267,7 +259,9 @@ impl App {
             Drawn::Frame => {
                 self.world.clear_changes();
                 self.steps.frame_drawn();
-                self.clock.frames += 1;
+                let refresh = self.refresh();
+                let gpu_ns = self.open.as_ref().and_then(|open| open.frames.stamps_ns().last());
+                self.clock.drawn(gpu_ns.map(|ns| Duration::from_secs_f64(ns * 1e-9)), refresh);
                 self.show_rate();
             }
             Drawn::Nothing => self.steps.frame_passed(),
@@ -276,13 +270,18 @@ impl App {
         Ok(())
     }
 
+    /// Between two refreshes of the screen; what most have where the system does not tell.
+    fn refresh(&self) -> Duration {
+        let monitor = self.open.as_ref().and_then(|open| open.window.current_monitor());
+        let millihertz = monitor.and_then(|m| m.refresh_rate_millihertz()).filter(|rate| *rate > 0);
+        Duration::from_secs_f64(1e3 / f64::from(millihertz.unwrap_or(60_000)))
+    }
+
     /// Tells the time of a frame in the title, twice a second.
     fn show_rate(&mut self) {
-        let elapsed = self.clock.told.elapsed();
-        let Some(open) = self.open.as_ref().filter(|_| elapsed > Duration::from_millis(500)) else { return };
-        let ms = elapsed.as_secs_f64() * 1e3 / f64::from(self.clock.frames.max(1));
+        let Some(open) = &self.open else { return };
+        let Some(ms) = self.clock.tell_ms() else { return };
         open.window.set_title(&format!("{} - ontile - {ms:.1} ms", self.world.scene().name));
-        (self.clock.told, self.clock.frames) = (Instant::now(), 0);
     }
 
     fn wish(&mut self, wish: Wish, events: &ActiveEventLoop) {
@@ -427,6 +426,11 @@ impl ApplicationHandler for App {
         }
         let is_seen = !self.is_occluded && !self.is_suspended && !self.window_size().contains(&0);
         let draws = is_seen || self.steps.are_left();
+        let next = self.clock.next();
+        let is_paced = self.viewer.present == PresentMode::Fifo && !self.steps.are_left();
+        if draws && is_paced && next > Instant::now() {
+            return events.set_control_flow(ControlFlow::WaitUntil(next));
+        }
         events.set_control_flow(if draws { ControlFlow::Poll } else { ControlFlow::Wait });
         if let Some(open) = self.open.as_ref().filter(|_| draws) {
             open.window.request_redraw();

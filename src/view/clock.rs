@@ -7,13 +7,14 @@ pub(super) struct Clock {
     last: Instant,
     told: Instant,
     frames: u32,
+    refresh: Duration,
     pace: Pace,
 }
 
 impl Clock {
     pub(super) fn new() -> Self {
         let now = Instant::now();
-        Self { last: now, told: now, frames: 0, pace: Pace::default() }
+        Self { last: now, told: now, frames: 0, refresh: Duration::ZERO, pace: Pace::default() }
     }
 
     /// A frame begins: seconds since the one before.
@@ -24,17 +25,18 @@ impl Clock {
         since.as_secs_f32()
     }
 
-    /// A frame is on its way; the GPU took so long for one of those before, if it tells.
+    /// A frame is on its way, to a screen that is refreshed so often; the GPU took so long for one of those before, if it tells.
     pub(super) fn drawn(&mut self, gpu: Option<Duration>, refresh: Duration) {
         self.frames += 1;
+        self.refresh = refresh;
         if let Some(gpu) = gpu {
             self.pace.took(gpu, refresh);
         }
     }
 
     /// When the next frame should begin, where each refresh of the screen is waited for.
-    pub(super) fn next(&self, refresh: Duration) -> Instant {
-        self.last + self.pace.wait(refresh)
+    pub(super) fn next(&self) -> Instant {
+        self.last + self.pace.wait(self.refresh)
     }
 
     /// Milliseconds a frame, twice a second.

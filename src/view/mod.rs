@@ -14,6 +14,7 @@
 #[cfg(all(feature = "android", target_os = "android"))]
 mod android;
 mod app;
+mod clock;
 mod compare;
 mod course;
 mod frames;
