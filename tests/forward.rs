@@ -99,7 +99,11 @@ fn forward_looks_like_deferred() {
             check(scene, tonemap, OutputFormat::Rgba32Float);
         }
         let exact = (Tonemap::Neutral, OutputFormat::Rgba32Float);
-        shipped().iter().for_each(|scene| check(scene, exact.0, exact.1));
+        for mut scene in shipped() {
+            // Shadow volumes need a G-buffer, and maps are not equal to them.
+            scene.lights.iter_mut().filter_map(|l| l.shadow.as_mut()).for_each(|s| s.volume = None);
+            check(&scene, exact.0, exact.1);
+        }
     });
 }
 

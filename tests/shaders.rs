@@ -197,9 +197,10 @@ fn interfaces_have_the_numbers_of_shared_h() {
         .filter(|name| interface.iter().any(|prefix| name.starts_with(prefix)) && !used.contains(*name))
         // What stages read in its place has its number.
         .filter(|name| !(name.starts_with("INPUT_") && numbers[*name] == numbers["INPUT_PEEL_A"]))
-        // What is drawn in place of the light is known by its number.
+        // What is drawn in place of the light, or of the output, is known by its number.
         .filter(|name| {
-            numbers.get(&name.replace("REFRACTED_", "")) != numbers.get(*name) || !name.contains("REFRACTED_")
+            let replaced = name.replace("REFRACTED_", "").replace("TARGET_PICTURE", "TARGET_OUTPUT");
+            replaced == **name || numbers.get(&replaced) != numbers.get(*name)
         })
         .collect();
     assert!(unused.is_empty(), "no module has {unused:?}");

@@ -30,7 +30,7 @@ pub const ONTILE_FEATURE_LOCAL_READ: u32 = 1 << 5;
 pub const ONTILE_FEATURE_SUBPASS_MERGE_FEEDBACK: u32 = 1 << 6;
 /// sampleRateShading: several samples a pixel want it.
 pub const ONTILE_FEATURE_SAMPLE_RATE_SHADING: u32 = 1 << 7;
-/// depthClamp: shadow volumes want it.
+/// depthClamp and shaderClipDistance: shadow volumes want both.
 pub const ONTILE_FEATURE_DEPTH_CLAMP: u32 = 1 << 8;
 /// `samplerAnisotropy`: samplers that ask for it do without otherwise.
 pub const ONTILE_FEATURE_SAMPLER_ANISOTROPY: u32 = 1 << 9;

@@ -40,7 +40,7 @@
 /// sampleRateShading: several samples a pixel want it.
 #define ONTILE_FEATURE_SAMPLE_RATE_SHADING (1 << 7)
 
-/// depthClamp: shadow volumes want it.
+/// depthClamp and shaderClipDistance: shadow volumes want both.
 #define ONTILE_FEATURE_DEPTH_CLAMP (1 << 8)
 
 /// `samplerAnisotropy`: samplers that ask for it do without otherwise.

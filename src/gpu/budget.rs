@@ -93,7 +93,9 @@ impl MemoryBudget {
         ];
         let pixels = |[w, h]: [u32; 2]| u64::from(w) * u64::from(h);
         let attachments = plan.attachments.iter().filter(|a| !a.is_output).map(|a| {
-            let bytes = pixels(size) * u64::from(a.format.bits()) / 8 * u64::from(a.samples);
+            // Depth with stencil has 40 bits, which most drivers pad to 64.
+            let bits = u64::from(a.format.bits().next_power_of_two());
+            let bytes = pixels(size) * bits / 8 * u64::from(a.samples);
             (a.name.clone(), bytes, a.transient && !config.capture)
         });
         let post = plan.post.images.iter().map(|image| {

@@ -87,11 +87,13 @@ static void make_device(const char *name) {
                                       .queueFamilyIndex = family,
                                       .queueCount = 1,
                                       .pQueuePriorities = &priority};
-    /* Compressed pictures become what the device has, and RGBA8 where nothing is enabled. */
+    /* What is not enabled is done without: compressed pictures become RGBA8 then, and shadow volumes maps. */
     VkPhysicalDeviceFeatures has, enabled = {0};
     vkGetPhysicalDeviceFeatures(physical, &has);
     enabled.textureCompressionBC = has.textureCompressionBC;
     if (has.textureCompressionBC) features |= ONTILE_FEATURE_TEXTURE_COMPRESSION_BC;
+    enabled.depthClamp = enabled.shaderClipDistance = has.depthClamp && has.shaderClipDistance;
+    if (enabled.depthClamp) features |= ONTILE_FEATURE_DEPTH_CLAMP;
     VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                .pEnabledFeatures = &enabled,
                                .queueCreateInfoCount = 1,

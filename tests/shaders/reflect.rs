@@ -328,7 +328,7 @@ impl Reflection {
                         Some(texture) => resource(of_material, format!("BINDING_{texture}")),
                         None => {
                             let set = match name.as_str() {
-                                "bloom" | "edge_color" => "SET_INPUTS",
+                                "bloom" | "edge_color" | "other" => "SET_INPUTS",
                                 name if name.starts_with("behind_") && has_material => "SET_LAYERS",
                                 name if name.starts_with("behind_") => "SET_INPUTS",
                                 name if name.starts_with("post_") => "SET_POST",

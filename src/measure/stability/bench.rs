@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use crate::gpu::{
     Device, Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
@@ -13,7 +13,7 @@ use crate::picture::{Picture, Pixels};
 use crate::plan::{Layout, Needs, Options, OutputFormat, Plan, Tonemap};
 use crate::reference::around::Method;
 use crate::reference::{self, Behind, Frame, Settings, Tracer};
-use crate::scene::Scene;
+use crate::scene::{Projection, Scene};
 use crate::{Error, Result};
 
 /// A device that draws for sweeps.
@@ -86,13 +86,31 @@ impl Bench {
         let settings = Settings { behind, ..settings(options, exposure_ev) };
         let tracer = Tracer::new(scene, &settings);
         let frame = |shift_px| tracer.render(&scene.cameras[0], &Settings { shift_px, ..settings.clone() });
-        let half_a_step_px = 0.5 * f64::from(self.device().caps().sub_pixel_precision_bits).exp2().recip();
+        let half_a_step_px = 0.5 * f64::from(self.device().caps().sub_pixel_precision_bits).exp2().recip()
+            + transform_px(scene, options.size);
         let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
         Truth {
             frame: frame(DVec2::ZERO),
             moved: corners.map(|(x, y)| frame(DVec2::new(x, y) * half_a_step_px)),
         }
     }
+}
+
+/// How far f32 may move a vertex in the middle of the scene, pixels: clip space is a sum of four products, of which the largest is as the
+/// camera's distance from the origin, and rounding does not get smaller with the field of view.
+fn transform_px(scene: &Scene, [width, height]: [u32; 2]) -> f64 {
+    let camera = &scene.cameras[0];
+    let clip_from_view = camera.projection.clip_from_view(width as f32 / height as f32);
+    let eye = camera.world_from_view.w_axis.truncate();
+    let middle = scene.bounds_world().map_or(Vec3::ZERO, |b| (b.min + b.max) * 0.5);
+    let w = match camera.projection {
+        Projection::Perspective { znear_m, .. } => {
+            (-camera.world_from_view.inverse().transform_point3(middle).z).max(znear_m)
+        }
+        Projection::Orthographic { .. } => 1.0,
+    };
+    let largest = f64::from(clip_from_view.y_axis.y.abs() * (eye.length() + middle.length()));
+    3.0 * (-24.0_f64).exp2() * largest / f64::from(w) * f64::from(height) * 0.5
 }
 
 /// The true frame of the scene's first camera, with media that find what is behind them in this way.
@@ -108,7 +126,7 @@ pub(super) fn frame_behind(scene: &Scene, options: &Options, behind: Behind) -> 
 pub struct Truth {
     /// At the pixels' centres.
     pub frame: Frame,
-    /// Half a step of the lattice to each side of them.
+    /// As far to each side of them as lattice and f32 move vertices.
     moved: [Frame; 4],
 }
 

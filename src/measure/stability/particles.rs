@@ -22,6 +22,9 @@ pub const PARTICLES: Sweep = Sweep {
     find: particles,
 };
 
+/// The series beyond what f32 holds.
+const TELESCOPE: &str = "through a telescope";
+
 const AT: Vec3 = Vec3::new(0.0, 0.5, 0.0);
 
 /// A ball on a floor.
@@ -60,13 +63,15 @@ fn series(all: bool) -> Vec<Series> {
     let near = numbers(&[0.1001, 0.11, 0.3], &[0.100001, 0.15, 0.2]).into_iter();
     let near =
         near.map(|m| (format!("{m} m before the camera"), with(ground(), 0.2, vec![spark(ahead(m), 0.1)])));
-    let far = numbers(&[100.0, 1e4], &[30.0, 1e3, 3e3]).into_iter().map(|m| {
+    let away = |m: f32| {
         let mut scene = ground();
         scene.cameras[0] = camera(Vec3::new(0.0, 0.3 * m, m), AT);
         scene.cameras[0].projection =
             Projection::Perspective { yfov_rad: 4.0 / m, znear_m: 0.1, zfar_m: None };
         (format!("{m} m away"), with(scene, 0.3, vec![spark(AT, 1.2)]))
-    });
+    };
+    let far = numbers(&[100.0], &[30.0, 1e3]).into_iter().map(away);
+    let farther = numbers(&[1e4], &[3e3]).into_iter().map(away);
     let sizes = numbers(&[1e-4, 1e3], &[0.0, 1e-2, 30.0]).into_iter();
     let sizes = sizes.map(|m| (format!("a side of {m} m"), with(ground(), 0.3, vec![spark(AT, m)])));
     let bright = numbers(&[1e-6, 1e6], &[1e-3, 1e3]).into_iter().map(|times| {
@@ -82,6 +87,7 @@ fn series(all: bool) -> Vec<Series> {
         ("soft distance", soft.collect()),
         ("close to the camera", near.collect()),
         ("far away", far.collect()),
+        (TELESCOPE, farther.collect()),
         ("size", sizes.collect()),
         ("brightness", bright.collect()),
         ("over each other", many.collect()),
@@ -112,20 +118,34 @@ fn particles(lab: &Lab<'_>) -> Result<Findings> {
             method: format!("drawn, {name}"),
             worst: worst.error,
             at: worst.at.unwrap_or_default(),
-            bound: Bound {
-                name: "LIGHT_OF_SQUARES",
-                unit: "of the light",
-                good: 2e-3,
-                most: 0.02,
-                reason: "f32 between depths and fades: where a surface is far behind the near plane, its depth has few bits",
-            },
+            bound: if name == TELESCOPE { BY_TELESCOPE } else { LIGHT_OF_SQUARES },
             answer: None,
-            remedy: "a longer soft distance, or a near plane farther away".into(),
+            remedy: match name == TELESCOPE {
+                true => "the world's origin near to what is seen".into(),
+                false => "a longer soft distance, or a near plane farther away".into(),
+            },
         });
     }
     against_gas(&mut findings);
     Ok(findings)
 }
+
+const LIGHT_OF_SQUARES: Bound = Bound {
+    name: "LIGHT_OF_SQUARES",
+    unit: "of the light",
+    good: 2e-3,
+    most: 0.02,
+    reason: "f32 between depths and fades: where a surface is far behind the near plane, its depth has few bits",
+};
+
+const BY_TELESCOPE: Bound = Bound {
+    name: "BY_TELESCOPE",
+    unit: "of the light",
+    good: 2e-3,
+    most: 0.25,
+    reason: "kilometres from the camera f32 places vertices to millimetres, of which a lens of 0.02 degrees makes a tenth of a pixel: at a \
+             silhouette as much of the fade",
+};
 
 /// Soft distances, as shares of the ball's radius.
 const SOFT_RADII: [f32; 4] = [0.0, 0.5, 1.0, 2.0];
