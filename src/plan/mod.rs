@@ -224,10 +224,10 @@ impl Plan {
         let (path, path_why) = path::resolve(&needs, &options, strategy, limits)?;
         post::check(&options, &needs, path)?;
         let lights::Resolved { way: light_way, clusters, why } = lights::resolve(&needs, &options, path)?;
-        let volumes = shadow_volumes::resolve(&needs, &options, path, limits)?;
-        let by_volume = !volumes.lights.is_empty();
         let gbuffer = GBuffer::new(&options)?;
         let gbuffer = if needs.over_light().is_some() { gbuffer.for_blending() } else { gbuffer };
+        let volumes = shadow_volumes::resolve(&needs, &options, &gbuffer, path, limits)?;
+        let by_volume = !volumes.lights.is_empty();
         check_blended(&gbuffer, &needs, &options, strategy, limits)?;
         refraction::check(&needs, &options, &gbuffer, path)?;
         if path == Path::Deferred && needs.lit_opaque.is_some() {

@@ -4,6 +4,8 @@
 //! surface is in front of them (Carmack; Bilodeau and Songy), so that the camera may be within. The stencil's highest bit is left to
 //! others; 128 volumes around one point wrap round to none (`ontile stability --sweep shadow-volumes`).
 
+use super::check::check_light;
+use super::layout::GBuffer;
 use super::{LightWay, Limits, Needs, Options, Path};
 use crate::{Error, Result};
 
@@ -21,14 +23,20 @@ pub(super) struct VolumeLights {
 /// # Errors
 /// [`Error::Unsupported`] if the options ask for volumes and leave no G-buffer or ask for another use of the stencil, and where the
 /// device cuts volumes off at the far plane.
-pub(super) fn resolve(needs: &Needs, options: &Options, path: Path, limits: &Limits) -> Result<VolumeLights> {
+pub(super) fn resolve(
+    needs: &Needs,
+    options: &Options,
+    gbuffer: &GBuffer,
+    path: Path,
+    limits: &Limits,
+) -> Result<VolumeLights> {
     let mut found = VolumeLights { lights: Vec::new(), notes: Vec::new() };
     let lights = &needs.shadows.lights;
     let any_asks = options.shadow_volumes || lights.iter().any(|light| light.volume == Some(true));
     if !any_asks || needs.lit.is_none() {
         return Ok(found);
     }
-    let obstacle = obstacle(options, path, limits);
+    let obstacle = obstacle(needs, options, gbuffer, path, limits);
     if let Some((what, remedy)) = &obstacle
         && options.shadow_volumes
     {
@@ -68,15 +76,28 @@ pub(super) fn resolve(needs: &Needs, options: &Options, path: Path, limits: &Lim
 }
 
 /// What keeps every light of the frame from volumes, and what to do about it.
-fn obstacle(options: &Options, path: Path, limits: &Limits) -> Option<(String, &'static str)> {
+fn obstacle(
+    needs: &Needs,
+    options: &Options,
+    gbuffer: &GBuffer,
+    path: Path,
+    limits: &Limits,
+) -> Option<(String, String)> {
     if path != Path::Deferred {
         let what = format!("shadow volumes need a G-buffer, which the path {path} has not");
-        return Some((what, "use --path deferred"));
+        return Some((what, "use --path deferred".into()));
     }
     if let asked @ (LightWay::Volumes | LightWay::Stencil) = options.lights {
         let what = format!("shadow volumes add their lights by themselves, and '{asked}' would do it again");
-        return Some((what, "use --lights auto, clusters or fullscreen"));
+        return Some((what, "use --lights auto, clusters or fullscreen".into()));
     }
-    let what = "the device has no depthClamp or no shaderClipDistance, without which shadow volumes are cut off at the far plane";
-    (!limits.depth_clamp).then(|| (what.into(), "use another device"))
+    if !limits.depth_clamp {
+        let what = "the device has no depthClamp or no shaderClipDistance, without which shadow volumes are cut off at the far plane";
+        return Some((what.into(), "use another device".into()));
+    }
+    // Lights with volumes are added one by one.
+    match check_light(gbuffer, needs, options, true, limits) {
+        Err(Error::Unsupported { what, remedy }) if needs.lit_opaque.is_some() => Some((what, remedy)),
+        _ => None,
+    }
 }
