@@ -13,7 +13,7 @@ use std::process::{Child, Command, Stdio};
 
 use common::ignored_unless_required;
 use common::render::{LAVAPIPE, difference};
-use gltf_build::{Gltf, animate};
+use gltf_build::{Channel, Gltf, animate};
 use ontile::picture::{Picture, Pixels};
 use ontile::scene::Flight;
 use serde_json::json;
@@ -169,15 +169,14 @@ fn moving_parts() -> Vec<u8> {
     let (lamp, camera) =
         (file.root_node(lamp), file.root_node(json!({"camera": 0, "translation": [0, 0, 3]})));
     let sizes = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, -1.0, 1.0, 1.0];
-    let channels: [(usize, &str, &str, &[f32], &str, &[f32]); 4] = [
+    let channels: [Channel; 4] = [
         (0, "scale", "STEP", &[0.0, 0.25, 0.5], "VEC3", &sizes),
         (other, "rotation", "LINEAR", &[0.0, 0.75], "VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.6, 0.8]),
         (lamp, "translation", "LINEAR", &[0.0, 0.75], "VEC3", &[-1.0, 0.0, 1.0, 1.0, 1.0, 1.0]),
         (camera, "translation", "LINEAR", &[0.0, 0.75], "VEC3", &[0.0, 0.0, 3.0, 0.5, 0.0, 2.0]),
     ];
     animate(&mut file, &channels);
-    let slide: (usize, &str, &str, &[f32], &str, &[f32]) =
-        (0, "translation", "LINEAR", &[0.0, 0.5], "VEC3", &[0.0, 0.0, 0.0, 0.5, 0.0, 0.0]);
+    let slide: Channel = (0, "translation", "LINEAR", &[0.0, 0.5], "VEC3", &[0.0, 0.0, 0.0, 0.5, 0.0, 0.0]);
     animate(&mut file, &[slide]);
     file.to_gltf()
 }

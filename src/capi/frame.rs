@@ -249,7 +249,7 @@ pub unsafe extern "C" fn ontile_target_pre_rotate(target: *mut OntileTarget, deg
     call(|| {
         // SAFETY: the caller's promise.
         let target = &mut unsafe { get_mut(target, "target") }?.target;
-        let turned = PreRotation::ALL.get(degrees as usize / 90).filter(|_| degrees % 90 == 0);
+        let turned = PreRotation::ALL.get(degrees as usize / 90).filter(|_| degrees.is_multiple_of(90));
         target.pre_rotate(
             *turned.ok_or_else(|| {
                 Failure::Argument(format!("{degrees} degrees are none of 0, 90, 180 and 270"))

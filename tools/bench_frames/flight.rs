@@ -125,7 +125,8 @@ fn print(results: &Results) {
     let Results { device, driver, scene, size: [width, height], places, .. } = results;
     println!("{device} ({driver}), {scene} at {} places of a camera path, {width}x{height}", places.len());
     println!("milliseconds: median [quartiles] over the places, and the slowest");
-    let rows: [(&str, &Summary, fn(&Place) -> f64); 2] = [
+    type Ms = fn(&Place) -> f64;
+    let rows: [(&str, &Summary, Ms); 2] = [
         ("subpasses", &results.subpasses, |p| p.subpasses_ms),
         ("separate", &results.separate, |p| p.separate_ms),
     ];
