@@ -194,7 +194,7 @@ static VkBuffer buffer;
 static VkCommandPool pool;
 static VkCommandBuffer commands[FRAMES];
 
-/* What frames are drawn to, and where their pixels are read. */
+/* What frames of both worlds are drawn to (base colours may lie in it first), and where their pixels are read. */
 static void make_resources(OntileOutput output) {
     VkImageCreateInfo image_info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                     .imageType = VK_IMAGE_TYPE_2D,
@@ -203,7 +203,7 @@ static void make_resources(OntileOutput output) {
                                     .mipLevels = 1,
                                     .arrayLayers = 1,
                                     .samples = VK_SAMPLE_COUNT_1_BIT,
-                                    .usage = output.usage};
+                                    .usage = output.usage | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT};
     VK(vkCreateImage(device, &image_info, NULL, &image));
     VkMemoryRequirements needs;
     vkGetImageMemoryRequirements(device, image, &needs);
@@ -255,7 +255,7 @@ static void draw(OntileDevice *ontile, OntileWorld *world, const OntileCamera *c
     OntileOptions *options;
     ON(ontile_options_create(&options));
     check(ontile_options_set(options, "layout", "none") == ONTILE_RESULT_ERROR_UNSUPPORTED, "no such layout");
-    ON(ontile_options_set(options, "layout", "packed128"));
+    ON(ontile_options_set(options, "layout", "ontile128"));
     ON(ontile_options_set(options, "size", "160x96"));
     OntilePipelineCache *cache;
     ON(ontile_pipeline_cache_create(ontile, NULL, 0, &cache));

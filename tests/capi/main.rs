@@ -175,7 +175,7 @@ fn expected() -> Vec<u8> {
     };
     let mut pictures = Vec::new();
     let mut draw = |world: &World, camera: &Camera, pre_rotation: PreRotation| {
-        let options = Options { size: [160, 96], layout: Layout::Packed128, ..Options::default() };
+        let options = Options { size: [160, 96], layout: Layout::Ontile128, ..Options::default() };
         let plan = Plan::new(Needs::of(world.scene()), options, &device.limits()).unwrap();
         let cache = PipelineCache::new(device, &[]).unwrap();
         let mut frame =
