@@ -3,7 +3,7 @@
 mod common;
 
 use common::render::{Gpu, difference, on_device};
-use common::scenes::moving_scenes::{bending, bending_mapped, frozen, moved, with_lamps_alone};
+use common::scenes::moving_scenes::{bending, bending_mapped, frozen, moved, with_lamps_alone, with_sparks};
 use common::scenes::sample_files;
 use ontile::glam::Mat4;
 use ontile::glam::camera::rh::view::look_at_mat4;
@@ -36,6 +36,9 @@ fn follow(offscreen: &mut Offscreen, scene: &Scene) {
     for (index, light) in scene.lights.iter().enumerate() {
         renderer.set_light(index, light).unwrap();
     }
+    for (index, particles) in scene.particles.iter().enumerate() {
+        renderer.set_particles(index, &particles.list).unwrap();
+    }
 }
 
 /// Shadows by maps and by volumes, on every path and in every strategy; maps of what stands still stay.
@@ -47,6 +50,7 @@ fn frames_that_follow_are_those_of_a_new_renderer() {
             ("maps", with_lamps_alone(bending()), small()),
             ("volumes", bending(), Options { shadow_volumes: true, ..small() }),
             ("normal maps, glass", with_lamps_alone(bending_mapped()), small()),
+            ("sparks", with_sparks(with_lamps_alone(bending())), small()),
             (
                 "forward",
                 with_lamps_alone(bending()),

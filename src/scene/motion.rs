@@ -94,6 +94,14 @@ pub enum Follows {
         /// Its box in the node's space.
         node_from_decal: Mat4,
     },
+    /// A list of particles stands where the node is. Sizes and turns on the image are as they were, and particles beyond these places
+    /// stay where they are.
+    Particles {
+        /// Which.
+        particles: usize,
+        /// Where each is in the node's space, metres.
+        positions_node: Vec<Vec3>,
+    },
     /// A mesh takes the node's weights of its morph targets.
     Weights {
         /// Which.
@@ -226,17 +234,20 @@ impl Motion {
         let bends = |mesh: usize, fits: &dyn Fn(&Deformation) -> bool| {
             scene.meshes.get(mesh).is_some_and(|mesh| mesh.deformation.as_ref().is_some_and(fits))
         };
-        match *what {
-            Follows::Instance(index) => index < scene.instances.len(),
-            Follows::Light(index) => index < scene.lights.len(),
-            Follows::Camera(index) => index < scene.cameras.len(),
-            Follows::Decal { decal, node_from_decal } => {
+        match what {
+            &Follows::Instance(index) => index < scene.instances.len(),
+            &Follows::Light(index) => index < scene.lights.len(),
+            &Follows::Camera(index) => index < scene.cameras.len(),
+            &Follows::Decal { decal, node_from_decal } => {
                 decal < scene.decals.len() && is_affine(&node_from_decal)
             }
-            Follows::Weights { mesh } => {
+            Follows::Particles { particles, positions_node } => {
+                *particles < scene.particles.len() && positions_node.iter().all(|p| p.is_finite())
+            }
+            &Follows::Weights { mesh } => {
                 bends(mesh, &|d| d.pose.weights.len() == self.nodes[node].weights.len())
             }
-            Follows::Skin { mesh, instance, skin } => {
+            &Follows::Skin { mesh, instance, skin } => {
                 let joints = self.skins.get(skin).map(|skin| skin.joints.len());
                 let of_mesh = scene.instances.get(instance).is_some_and(|i| i.mesh == mesh);
                 of_mesh && bends(mesh, &|d| Some(d.pose.object_from_bind.len()) == joints)
@@ -261,6 +272,7 @@ impl Motion {
             Follows::Light(i) => (kind, index) != (Kind::Light, i),
             Follows::Camera(i) => (kind, index) != (Kind::Camera, i),
             Follows::Decal { decal, .. } => (kind, index) != (Kind::Decal, decal),
+            Follows::Particles { particles, .. } => (kind, index) != (Kind::Particles, particles),
             Follows::Weights { mesh } => (kind, index) != (Kind::Mesh, mesh),
             Follows::Skin { mesh, instance, .. } => {
                 ![(Kind::Mesh, mesh), (Kind::Instance, instance)].contains(&(kind, index))

@@ -4,7 +4,7 @@ use super::*;
 use ontile::glam::Quat;
 use ontile::scene::{
     Animation, Channel, Deformation, Follower, Follows, Influence, Interpolation, MorphTarget, Motion, Node,
-    NodeTransform, Play, Pose, Property, Shadow, Skin,
+    NodeTransform, Particle, Particles, Play, Pose, Property, Shadow, Skin,
 };
 
 /// As they are drawn: at a time when nothing is at rest.
@@ -50,6 +50,19 @@ pub fn bending() -> Scene {
     // Arm, blob, ball: after floor and wall.
     scene.instances[2..].iter_mut().for_each(|instance| instance.dynamic = true);
     scene.motion = Some(motion(&scene.lights[1], &scene.cameras[0]));
+    scene
+}
+
+/// With sparks that follow the ball.
+pub fn with_sparks(mut scene: Scene) -> Scene {
+    let glow = Material { emissive_factor: Vec3::new(3.0, 1.5, 0.5), ..Material::default() };
+    scene.materials.push(glow);
+    let positions_node = vec![Vec3::new(0.0, 2.0, 0.0), Vec3::new(1.5, 1.0, 0.0)];
+    let spark = Particle { position_world: Vec3::ZERO, size_m: 0.3, rotation_rad: 0.3, color: Vec3::ONE };
+    let list = vec![spark; positions_node.len()];
+    let what = Follows::Particles { particles: scene.particles.len(), positions_node };
+    scene.particles.push(Particles::new(scene.materials.len() - 1, 0.1, list));
+    scene.motion.as_mut().expect("it moves").followers.push(Follower { node: BALL, what });
     scene
 }
 

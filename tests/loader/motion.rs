@@ -3,7 +3,7 @@
 use std::f32::consts::FRAC_1_SQRT_2;
 
 use ontile::glam::{Mat4, Quat, Vec3};
-use ontile::scene::{Light, LightKind, Play, Scene, World};
+use ontile::scene::{Light, LightKind, Particles, Play, Scene, World};
 use serde_json::json;
 
 use crate::close;
@@ -17,7 +17,7 @@ fn at(scene: &Scene, time_s: f64) -> Scene {
 
 const UP: &[f32] = &[0.0, 0.0, 0.0, 0.0, 2.0, 0.0];
 
-/// A parent that rises with a triangle, a lamp, a camera and a decal hanging from it, and a triangle that stays.
+/// A parent that rises with a triangle, a lamp, a camera, a decal and two sparks hanging from it, and a triangle that stays.
 fn lift() -> Gltf {
     let mut file = Gltf::triangle();
     file.root_node(json!({"mesh": 0, "translation": [9, 0, 0]}));
@@ -25,11 +25,15 @@ fn lift() -> Gltf {
     file.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     file.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}));
     let lamp = json!({"translation": [1, 0, 0], "extensions": {"KHR_lights_punctual": {"light": 0}}});
+    let positions = file.floats("VEC3", &[0.0, 0.0, 0.0, 0.5, 0.0, 0.0]);
+    let points = json!({"attributes": {"POSITION": positions}, "mode": 0});
+    let sparks = file.push("meshes", json!({"primitives": [points]}));
     let hanging = [
         json!({"mesh": 0, "translation": [0, 0, 1]}),
         lamp,
         json!({"camera": 0, "scale": [2, 2, 2]}),
         json!({"extras": {"ontile": {"decal": {"material": 0, "size": [1, 2, 3]}}}}),
+        json!({"mesh": sparks, "scale": [2, 2, 2], "extras": {"ontile": {"particles": {}}}}),
     ]
     .map(|node| file.push("nodes", node));
     let parent = file.root_node(json!({"children": hanging}));
@@ -54,6 +58,8 @@ fn all_that_hangs_from_a_node_goes_with_it() {
         assert_eq!(scene.cameras[0].world_from_view, Mat4::from_translation(Vec3::new(0.0, y, 0.0)));
         let size = Mat4::from_scale(Vec3::new(1.0, 2.0, 3.0));
         assert_eq!(scene.decals[0].world_from_decal, Mat4::from_translation(Vec3::new(0.0, y, 0.0)) * size);
+        let sparks: Vec<_> = scene.particles[0].list.iter().map(|p| (p.position_world, p.size_m)).collect();
+        assert_eq!(sparks, [(Vec3::new(0.0, y, 0.0), 0.1), (Vec3::new(1.0, y, 0.0), 0.1)]);
         scene.check().unwrap();
     }
 }
@@ -72,6 +78,14 @@ fn a_world_notes_what_moves_and_lets_go_of_what_is_removed() {
     assert_eq!(other.index(), light.index());
     world.animate(&play(3.0)).unwrap();
     assert_eq!(world.get(other).unwrap().position_world, Vec3::ZERO, "it was never on the lift");
+    let sparks = world.ids::<Particles>().next().unwrap();
+    let of = |world: &World| world.get(sparks).unwrap().list.clone();
+    let fewer = Particles { list: of(&world)[..1].to_vec(), ..world.get(sparks).unwrap().clone() };
+    world.set(sparks, fewer).unwrap();
+    world.animate(&play(1.5)).unwrap();
+    assert_eq!(of(&world)[0].position_world, Vec3::new(0.0, 0.5, 0.0), "those there are go on");
+    world.remove(sparks).unwrap();
+    world.animate(&play(2.0)).unwrap();
 }
 
 /// Of every property, by a quarter turn that small integers hold, a spline, and steps; two animations at once.
@@ -167,7 +181,7 @@ type Fault = (fn(&mut Gltf), &'static str, &'static str);
 
 #[test]
 fn what_is_wrong_is_named() {
-    const PARENT: usize = 6;
+    const PARENT: usize = 7;
     fn times(file: &mut Gltf, times: &[f32]) {
         let input = file.floats("SCALAR", times);
         *file.at("/animations/0/samplers/0/input") = json!(input);

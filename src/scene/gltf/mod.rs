@@ -105,10 +105,11 @@ fn load(doc: &Document, moves: bool) -> Result<Scene> {
     let mut scene = Scene { name, warnings: doc.extension_warnings(), ..Scene::default() };
 
     let mut materials = Materials::default();
-    let followers = read_meshes(doc, &tree, &moving, &mut scene, &mut materials)?;
+    let mut followers = read_meshes(doc, &tree, &moving, &mut scene, &mut materials)?;
     scene.lights = light::read_lights(doc, &tree, &mut materials)?;
     scene.decals = decal::read_decals(doc, &tree, &mut materials)?;
-    scene.particles = particles::read_particles(doc, &tree, &mut materials, &mut scene.warnings)?;
+    scene.particles =
+        particles::read_particles(doc, &tree, &moving, &mut followers, &mut materials, &mut scene.warnings)?;
     scene.images = image::decode_all(doc, &materials.images)?;
     scene.materials = materials.materials;
     scene.textures = materials.textures;

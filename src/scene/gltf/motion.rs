@@ -10,7 +10,7 @@ use super::accessor::{Format, Reader};
 use super::document::Document;
 use super::node::{self, NodeTree};
 use super::pose::{self, Skin};
-use super::{decal, light, particles};
+use super::{decal, light};
 use crate::Result;
 use crate::scene::{
     Animation, Channel, Follower, Follows, Interpolation, Motion, Node, NodeTransform, Property, Scene,
@@ -93,7 +93,7 @@ impl Followers {
         })
     }
 
-    /// Adds everything but instances and meshes, and makes a motion of it; `None` if nothing moves.
+    /// Adds what instances, meshes and particles have not, and makes a motion of it; `None` if nothing moves.
     pub fn finish(
         mut self,
         doc: &Document,
@@ -116,9 +116,8 @@ impl Followers {
                 );
                 decals += 1;
             }
-            let stays = particles::said(doc, i)?.is_some() || node::extras(doc, i)?.get("probe").is_some();
-            if stays && moving.place(i) {
-                let what = "particles and probes do not follow animated nodes; they stay where they are";
+            if moving.place(i) && node::extras(doc, i)?.get("probe").is_some() {
+                let what = "probes do not follow animated nodes; it stays where it is";
                 scene.warnings.push(format!("nodes[{i}]: {what}"));
             }
         }

@@ -7,7 +7,7 @@
 //! | | `particles.soft` | metres of at least 0: how far behind a particle something opaque is where it is seen whole | its size |
 //!
 //! The attribute `_ROTATION` (a float), where there is one, turns each square, radians. The node's transform places the points, and its
-//! scale counts for places alone.
+//! scale counts for places alone. They follow a node that is animated.
 
 use glam::Vec3;
 use gltf::json::mesh::{Mode, Semantic};
@@ -18,9 +18,10 @@ use super::document::Document;
 use super::extras::Extra;
 use super::material::Materials;
 use super::mesh::Primitive;
+use super::motion::{Followers, Moving};
 use super::node::{self, NodeTree};
 use crate::Result;
-use crate::scene::{Particle, Particles};
+use crate::scene::{Follows, Particle, Particles};
 
 /// More squares than this a frame are a mistake.
 const MOST: usize = 1 << 20;
@@ -39,6 +40,8 @@ pub fn said<'a>(doc: &'a Document<'a>, node: usize) -> Result<Option<Extra<'a>>>
 pub fn read_particles(
     doc: &Document,
     tree: &NodeTree,
+    moving: &Moving,
+    followers: &mut Followers,
     materials: &mut Materials,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Particles>> {
@@ -62,20 +65,19 @@ pub fn read_particles(
         let before = all.len();
         for (element, json) in of_points {
             let primitive = Primitive { json, name: String::new(), element, lightmapped: false };
-            let position =
-                |p: [f32; 3]| tree.world_from_node[i].transform_point3(Vec3::from(p).as_dvec3()).as_vec3();
             primitive.vertex_count(doc)?;
             let positions = primitive.floats::<3>(doc, Semantic::Positions, Format::VEC3)?;
+            let positions_node: Vec<_> = positions.into_iter().map(Vec3::from).collect();
             let colors = primitive.colors(doc)?;
             let own = |name: &str| primitive.floats::<1>(doc, Semantic::Extras(name.into()), Format::SCALAR);
             let (sizes, rotations) = (own("SIZE")?, own("ROTATION")?);
             let element = &primitive.element;
-            if all.iter().map(|p: &Particles| p.list.len()).sum::<usize>() + positions.len() > MOST {
+            if all.iter().map(|p: &Particles| p.list.len()).sum::<usize>() + positions_node.len() > MOST {
                 let problem = format!("brings the scene to more than {MOST} particles");
                 return Err(doc.bad(element, problem, "use fewer and larger ones"));
             }
-            let list = positions.iter().enumerate().map(|(n, &at)| Particle {
-                position_world: position(at),
+            let list = positions_node.iter().enumerate().map(|(n, at)| Particle {
+                position_world: tree.world_from_node[i].transform_point3(at.as_dvec3()).as_vec3(),
                 size_m: size_m * sizes.get(n).map_or(1.0, |s| s[0]),
                 rotation_rad: rotations.get(n).map_or(0.0, |r| r[0]),
                 color: colors.get(n).map_or(Vec3::ONE, |c| c.truncate()),
@@ -91,6 +93,9 @@ pub fn read_particles(
             if !particles.shine(&materials.materials[material]) {
                 warnings
                     .push(format!("{element}: its material emits nothing, so its particles are not seen"));
+            }
+            if moving.place(i) {
+                followers.list.push((i, Follows::Particles { particles: all.len(), positions_node }));
             }
             all.push(particles);
         }

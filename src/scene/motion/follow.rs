@@ -159,9 +159,9 @@ impl Scene {
 
     fn follow(&mut self, motion: &Motion, posture: &Posture, follower: &Follower, changes: &mut Changes) {
         let world = &posture.world_from_node[follower.node];
-        match follower.what {
-            Follows::Instance(index) => self.place_instance(index, world, changes),
-            Follows::Light(index) => {
+        match &follower.what {
+            &Follows::Instance(index) => self.place_instance(index, world, changes),
+            &Follows::Light(index) => {
                 let light = &mut self.lights[index];
                 let direction = match ((-world.z_axis.truncate()).try_normalize(), light.kind) {
                     (Some(direction), _) => direction,
@@ -177,12 +177,12 @@ impl Scene {
                     Changes::note(&mut changes.lights, index);
                 }
             }
-            Follows::Camera(index) => {
+            &Follows::Camera(index) => {
                 if let Some(world_from_view) = crate::scene::camera::rigid(world) {
                     self.cameras[index].world_from_view = world_from_view;
                 }
             }
-            Follows::Decal { decal: index, node_from_decal } => {
+            &Follows::Decal { decal: index, node_from_decal } => {
                 let world_from_decal = *world * node_from_decal.as_dmat4();
                 let decal = &mut self.decals[index];
                 let place = world_from_decal.as_mat4();
@@ -192,7 +192,18 @@ impl Scene {
                     decal.note(Some(&old), index, changes);
                 }
             }
-            Follows::Weights { mesh } => {
+            Follows::Particles { particles: index, positions_node } => {
+                let mut has_moved = false;
+                for (particle, at) in self.particles[*index].list.iter_mut().zip(positions_node) {
+                    let place = world.transform_point3(at.as_dvec3()).as_vec3();
+                    has_moved |= particle.position_world != place;
+                    particle.position_world = place;
+                }
+                if has_moved {
+                    Changes::note(&mut changes.particles, *index);
+                }
+            }
+            &Follows::Weights { mesh } => {
                 let Some(deformation) = &mut self.meshes[mesh].deformation else { return };
                 let old = &mut deformation.pose.weights;
                 if !old.iter().copied().eq(posture.weights(motion, follower.node)) {
@@ -201,7 +212,7 @@ impl Scene {
                     Changes::note(&mut changes.poses, mesh);
                 }
             }
-            Follows::Skin { mesh, instance, skin } => {
+            &Follows::Skin { mesh, instance, skin } => {
                 let skin = &motion.skins[skin];
                 let origin = posture.world_from_node[skin.joints[0]].w_axis.truncate().as_vec3();
                 let world_from_object = DMat4::from_translation(origin.as_dvec3());
