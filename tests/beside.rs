@@ -12,7 +12,7 @@ use ontile::picture::{Picture, Pixels};
 use ontile::plan::{
     BloomWay, Layout, LightWay, Limits, Needs, Options, OutputUse, Path, Plan, State, Strategy, Translucency,
 };
-use ontile::scene::Scene;
+use ontile::scene::{PreRotation, Scene};
 
 const SIZE: [u32; 2] = [160, 90];
 
@@ -30,8 +30,12 @@ fn renderer(gpu: &Gpu<'_>, scene: &Scene, options: &Options) -> Renderer {
 }
 
 fn image(gpu: &Gpu<'_>, of: &[&Renderer]) -> Image {
+    image_of_size(gpu, of, SIZE)
+}
+
+fn image_of_size(gpu: &Gpu<'_>, of: &[&Renderer], size: [u32; 2]) -> Image {
     let usage = of.iter().fold(vk::ImageUsageFlags::empty(), |all, renderer| all | renderer.output_usage());
-    Image::new(gpu.device(), &ImageDesc::new("output", of[0].output_format(), SIZE, usage)).unwrap()
+    Image::new(gpu.device(), &ImageDesc::new("output", of[0].output_format(), size, usage)).unwrap()
 }
 
 fn output(image: &Image) -> [OutputImage; 1] {
@@ -42,7 +46,8 @@ type Drawn<'a> = (&'a mut Renderer, &'a Target, [u32; 4]);
 
 /// The picture in an image when all of them have drawn their parts, twice.
 fn read(gpu: &Gpu<'_>, scene: &Scene, image: &Image, mut drawn: Vec<Drawn<'_>>) -> Picture {
-    let readback = Readback::new(gpu.device(), image.format(), SIZE).unwrap();
+    let [width, height] = image.size();
+    let readback = Readback::new(gpu.device(), image.format(), [width, height]).unwrap();
     let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
     let view = View { camera: &scene.cameras[0], exposure_ev: 0.0 };
     for _ in 0..2 {
@@ -55,7 +60,7 @@ fn read(gpu: &Gpu<'_>, scene: &Scene, image: &Image, mut drawn: Vec<Drawn<'_>>) 
         .unwrap();
     }
     let pixels = Pixels::Rgba8(readback.texels().to_vec());
-    Picture { width: SIZE[0], height: SIZE[1], pixels }
+    Picture { width, height, pixels }
 }
 
 /// The left of one picture beside the right of another.
@@ -105,6 +110,72 @@ fn halves_are_the_halves_of_both_pictures() {
                 let found = read(gpu, &scene, &image, parts);
                 let expected = joined(&whole[i], &whole[j], at);
                 assert_eq!(difference(&found, &expected), None, "{}, {i} beside {j} at {at}", scene.name);
+            }
+        }
+    });
+}
+
+/// On a turned screen parts are those of the upright picture, and the difference is of pictures that lie alike.
+#[test]
+fn so_it_is_on_turned_screens() {
+    on_device(None, |gpu| {
+        gpu.excuse("redundant");
+        let scene = scenes::every_feature();
+        let [width, height] = SIZE;
+        let whole = [0, 0, width, height];
+        let sides = sides();
+        for (pre_rotation, at) in PreRotation::ALL[1..].iter().zip([37, 80, 159]) {
+            let size = pre_rotation.size(SIZE);
+            let turned = |options: &Options| Options { size, ..options.clone() };
+            let target = |renderer: &Renderer, image: &Image, other: Option<&Image>| {
+                let mut target = match other {
+                    None => renderer.create_target(size, &output(image)).unwrap(),
+                    Some(other) => renderer.create_target_beside(size, &output(image), other.view()).unwrap(),
+                };
+                target.pre_rotate(*pre_rotation);
+                target
+            };
+            let alone = |options: &Options| {
+                let mut renderer = renderer(gpu, &scene, &turned(options));
+                let image = image_of_size(gpu, &[&renderer], size);
+                let target = target(&renderer, &image, None);
+                read(gpu, &scene, &image, vec![(&mut renderer, &target, whole)]).upright(*pre_rotation)
+            };
+            for (a, b) in [(&sides[0], &sides[1]), (&sides[1], &sides[3]), (&sides[2], &sides[0])] {
+                let [whole_a, whole_b] = [a, b].map(alone);
+                let kept = Options { output_is_kept: true, ..turned(b) };
+                let (mut left, mut right) = (renderer(gpu, &scene, &turned(a)), renderer(gpu, &scene, &kept));
+                let image = image_of_size(gpu, &[&left, &right], size);
+                let targets = [&left, &right].map(|renderer| target(renderer, &image, None));
+                let parts = vec![
+                    (&mut left, &targets[0], [0, 0, at, height]),
+                    (&mut right, &targets[1], [at, 0, width, height]),
+                ];
+                let found = read(gpu, &scene, &image, parts).upright(*pre_rotation);
+                let expected = joined(&whole_a, &whole_b, at);
+                assert_eq!(difference(&found, &expected), None, "{pre_rotation:?}: {a:?} beside {b:?}");
+            }
+            for a in [&sides[1], &sides[0]] {
+                let [whole_a, whole_b] = [a, &sides[1]].map(alone);
+                let sampled = Options { output_use: OutputUse::Sample, ..turned(a) };
+                let compared = Options { difference: Some(4.0), ..turned(&sides[1]) };
+                let (mut a, mut b) = (renderer(gpu, &scene, &sampled), renderer(gpu, &scene, &compared));
+                let (own, image) = (image_of_size(gpu, &[&a], size), image_of_size(gpu, &[&b], size));
+                let (first, second) = (target(&a, &own, None), target(&b, &image, Some(&own)));
+                let drawn = vec![(&mut a, &first, whole), (&mut b, &second, whole)];
+                let found = read(gpu, &scene, &image, drawn).upright(*pre_rotation);
+                let bytes = [&found, &whole_a, &whole_b].map(|picture| match &picture.pixels {
+                    Pixels::Rgba8(bytes) => bytes.clone(),
+                    Pixels::Rgba32F(_) => panic!("bytes"),
+                });
+                for (at, found) in bytes[0].iter().enumerate().filter(|(at, _)| at % 4 < 3) {
+                    let apart = f32::from(bytes[1][at].abs_diff(bytes[2][at]));
+                    let off = (f32::from(*found) - (4.0 * apart).min(255.0)).abs();
+                    assert!(
+                        off <= if apart == 0.0 { 0.0 } else { 4.5 },
+                        "{pre_rotation:?}: {found}, {apart}"
+                    );
+                }
             }
         }
     });

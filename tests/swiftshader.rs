@@ -7,7 +7,9 @@ use common::render::{LAVAPIPE, on_device};
 use common::{scenes, swiftshader::swiftshader_env};
 use ontile::gpu::{RendererConfig, View};
 use ontile::picture::{Picture, Pixels};
-use ontile::plan::{BloomWay, DecalWay, Edges, Layout, Needs, Options, Plan, Refraction, Translucency};
+use ontile::plan::{
+    BloomWay, DecalWay, Edges, Layout, LightWay, Needs, Options, Plan, Refraction, Show, Translucency,
+};
 use ontile::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -76,6 +78,13 @@ fn options() -> Vec<Case> {
         ("refraction", scenes::media_scenes::water(), Options { refraction: Refraction::Pass, ..small() }),
         ("edge filter", lights(), Options { edge_filter: true, ..small() }),
         ("shadow volumes", Scene { lights: shadowed().lights[..1].to_vec(), ..shadowed() }, small()),
+        ("shown channels", every(), Options { show: Show::Channels, lights: LightWay::Clusters, ..small() }),
+        (
+            "shown normals of words",
+            every(),
+            Options { show: Show::Normal, layout: Layout::Packed128, ..small() },
+        ),
+        ("shown lights", lights(), Options { show: Show::Lights, lights: LightWay::Clusters, ..small() }),
         (
             "decals fixed",
             decals,

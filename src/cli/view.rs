@@ -24,8 +24,9 @@ Keys:
 
 Commands of a script, one a line: frames N, size WxH, open FILE, set OPTION VALUE, camera N|NAME, time SECONDS,
 animation N|NAME|all, play, pause, speed FACTOR, record FILE, stop, fly FILE, reload, exposure EV, drag X Y, screenshot FILE,
-set b.OPTION VALUE, split SHARE|off, difference GAIN|off, measure FILE, live FILE, overlay on|off, turn DEGREES, low-memory,
-suspend, resume, stay; after the last one the window is closed.
+scenes FILE, pick N,
+set b.OPTION VALUE, split SHARE|off, difference GAIN|off, measure FILE, live FILE, overlay on|off, volumes on|off, clusters most|N|off,
+turn DEGREES, low-memory, suspend, resume, stay; after the last one the window is closed.
 
 Examples:
   ontile view scene.glb

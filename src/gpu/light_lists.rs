@@ -57,17 +57,26 @@ impl LightLists {
 
     /// Lists the lights that have a place, by their part of all.
     pub(super) fn write(&mut self, camera: &Camera, size: [u32; 2], local: Range<u32>, out: &mut [u8]) {
-        let reaches = &self.reaches[local.start as usize..local.end as usize];
-        match &mut self.way {
-            Way::Fullscreen => {}
-            Way::Clusters(clusters) => {
-                clusters.build(camera, size, local.start, reaches);
-                write_clusters(clusters, out);
-            }
-            Way::Volumes(ranges) => {
-                *ranges = write_volumes(camera, reaches, local.start, bytemuck::cast_slice_mut(out));
-            }
+        if let Some(clusters) = self.clusters(camera, size, local.clone()) {
+            return write_clusters(clusters, out);
         }
+        if let Way::Volumes(ranges) = &mut self.way {
+            let reaches = &self.reaches[local.start as usize..local.end as usize];
+            *ranges = write_volumes(camera, reaches, local.start, bytemuck::cast_slice_mut(out));
+        }
+    }
+
+    /// Lists the lights of each cell, if the way is that; local ones have a place, by their part of all.
+    pub(super) fn clusters(
+        &mut self,
+        camera: &Camera,
+        size: [u32; 2],
+        local: Range<u32>,
+    ) -> Option<&Clusters> {
+        let Way::Clusters(clusters) = &mut self.way else { return None };
+        let reaches = &self.reaches[local.start as usize..local.end as usize];
+        clusters.build(camera, size, local.start, reaches);
+        Some(clusters)
     }
 
     /// The instances that draw the lights of a shape.

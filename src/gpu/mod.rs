@@ -98,6 +98,8 @@ pub use pipeline::PipelineParts;
 pub use query::{PipelineStatistics, Queries, QueryResults};
 pub use readback::{Readback, texel_bytes};
 pub use renderer::{Recorded, Renderer, RendererConfig, Updated};
+#[cfg(feature = "view")]
+pub(crate) use renderer::{SeenLight, SeenLights};
 pub use shadow::RecordedShadows;
 pub use target::{OutputImage, Target, check_formats};
 pub use texture::{ColorEncoding, SamplerCache, TextureKey, Textures};

@@ -7,6 +7,8 @@ mod particles;
 mod post;
 mod record;
 mod retired;
+#[cfg(feature = "view")]
+mod seen;
 mod shadow_volumes;
 mod told;
 mod update;
@@ -30,6 +32,8 @@ use crate::plan::{FrameCounts, MergeReport, Needs, OutputUse, Pipeline, Plan, St
 use crate::scene::{Changes, Decal, Light, Particle, Pose, Scene};
 use crate::{Error, Result};
 use retired::Retired;
+#[cfg(feature = "view")]
+pub(crate) use seen::{SeenLight, SeenLights};
 pub use update::Updated;
 
 /// How a [`Renderer`] is set up.

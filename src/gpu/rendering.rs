@@ -216,7 +216,7 @@ impl Rendering {
             let attachment = attached(t.attachment).attachment;
             let aspect_mask = super::image::aspects(conv::format(plan.attachments[attachment].format));
             vk::ImageMemoryBarrier::default()
-                .src_access_mask(conv::scope(&t.before).1)
+                .src_access_mask(conv::scope(&t.before).1 & accessed(conv::layout(t.from)))
                 .dst_access_mask(conv::scope(&t.after).1)
                 .old_layout(conv::layout(t.from))
                 .new_layout(conv::layout(t.to))
@@ -328,6 +328,14 @@ impl Wait {
             barrier: vk::MemoryBarrier::default().src_access_mask(from).dst_access_mask(to),
             flags: conv::by_region(dependency.by_region),
         }
+    }
+}
+
+/// How what has a layout can have been accessed. What was written before it got a layout to be read in is available since then.
+fn accessed(layout: vk::ImageLayout) -> vk::AccessFlags {
+    match layout {
+        vk::ImageLayout::TRANSFER_SRC_OPTIMAL => vk::AccessFlags::TRANSFER_READ,
+        _ => !vk::AccessFlags::empty(),
     }
 }
 

@@ -1,5 +1,7 @@
 //! A scene on the device: buffers, textures, descriptor sets, and the order in which it is drawn.
 
+#[cfg(feature = "view")]
+mod seen;
 mod wanted;
 
 use std::collections::BTreeSet;

@@ -1,5 +1,6 @@
 //! The images of a window.
 
+use std::cell::Cell;
 use std::rc::Rc;
 
 use ash::{khr, vk};
@@ -36,13 +37,16 @@ impl PresentMode {
 
 /// The images that a window shows in turn, sRGB-encoded by the attachment.
 ///
-/// Dropped only when the GPU has finished with them and none waits to be shown ([`Presenter::wait`](super::Presenter::wait)).
+/// Dropped only when the GPU has finished with them and none waits to be shown ([`Presenter::wait`](super::Presenter::wait),
+/// [`Presenter::retire_swapchain`](super::Presenter::retire_swapchain)).
 pub struct Swapchain {
     /// Signalled when a frame to the image is done.
     finished: Vec<Owned<vk::Semaphore>>,
     views: Vec<Owned<vk::ImageView>>,
     raw: Owned<vk::SwapchainKHR>,
     images: Vec<vk::Image>,
+    /// The frame that presented each image last; 0: none.
+    presented: Vec<Cell<u64>>,
     functions: khr::swapchain::Device,
     format: OutputFormat,
     usage: vk::ImageUsageFlags,
@@ -133,6 +137,7 @@ impl Swapchain {
             finished,
             views,
             raw,
+            presented: vec![Cell::new(0); images.len()],
             images,
             functions,
             format,
@@ -213,6 +218,11 @@ impl Swapchain {
 
     pub(super) fn finished(&self, image: u32) -> vk::Semaphore {
         self.finished[image as usize].raw()
+    }
+
+    /// An image is presented by the frame of this number; by which it was before, 0: by none.
+    pub(super) fn presents(&self, image: u32, frame: u64) -> u64 {
+        self.presented[image as usize].replace(frame)
     }
 
     /// Presents an image once its semaphore is signalled.

@@ -2,13 +2,15 @@
 //!
 //! It shows the scene that the intent names, else the first of the package: `adb shell am start -n
 //! org.ontile.view/android.app.NativeActivity --es scene PATH` (a file that the app may read, or the name of one of the
-//! package's assets), or a `.glb` that a file manager hands over.
+//! package's assets), or a `.glb` that a file manager hands over. The panel "Scenes" lists the package's, and the files of the app's
+//! external folder.
 
 use std::ffi::CString;
 use std::fs::File;
 use std::io::Read;
 use std::os::fd::FromRawFd;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use android_logger::Config;
 use jni::objects::{JObject, JString};
@@ -18,7 +20,7 @@ use winit::event_loop::EventLoop;
 use winit::platform::android::EventLoopBuilderExtAndroid;
 use winit::platform::android::activity::AndroidApp;
 
-use super::{Viewer, no_window};
+use super::{Viewer, no_window, scenes};
 use crate::{Error, Result, file};
 
 /// Shown where nothing else was asked for.
@@ -48,8 +50,32 @@ fn run(app: AndroidApp) -> Result<()> {
         Some(Asked::Opened(file)) => copy(file, &folder)?,
         None => asset(&app, &folder, FIRST_SCENE)?,
     };
+    let mut viewer = Viewer::new(scene);
+    let (of_package, load) = (app.clone(), viewer.load);
+    let own = folder.clone();
+    viewer.load = Arc::new(move |path| {
+        // What the list names of the package becomes a file when it is wanted.
+        let name = path.file_name().and_then(|name| name.to_str());
+        match name.filter(|_| path.parent() == Some(&own) && !path.exists()) {
+            Some(name) => load(&asset(&of_package, &own, name)?),
+            None => load(path),
+        }
+    });
+    let of_package = app.clone();
+    viewer.list = Arc::new(move |_| list(&of_package, &folder));
     let events = EventLoop::builder().with_android_app(app).build().map_err(|e| no_window(&e))?;
-    Viewer::new(scene).run_on(events)
+    viewer.run_on(events)
+}
+
+/// The package's scenes, and those in the folder that the app shows to the outside: `Android/data/org.ontile.view/files`, for adb and
+/// USB.
+fn list(app: &AndroidApp, folder: &Path) -> Vec<PathBuf> {
+    let names = app.asset_manager().open_dir(c"").into_iter().flatten();
+    let assets = names.filter_map(|name| name.into_string().ok()).map(|name| folder.join(name));
+    let mut all: Vec<_> = assets.filter(|path| scenes::is_scene(path)).collect();
+    all.sort();
+    all.extend(app.external_data_path().iter().flat_map(|folder| scenes::of_folder(folder)));
+    all
 }
 
 /// What the intent wants to see.

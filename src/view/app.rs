@@ -10,23 +10,24 @@ use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
 use winit::event::{ElementState, StartCause, TouchPhase, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
-use winit::window::{Fullscreen, Window, WindowId};
+use winit::window::{Window, WindowId};
 
 use super::clock::Clock;
-use super::compare::{Compare, Divider, GAIN, How, MIDDLE};
+use super::compare::{Compare, Divider};
 use super::course::Course;
 use super::frames::{Drawn, Frames};
 use super::hand::Hand;
-use super::keys::{HELP, Keys, Wish};
+use super::keys::Keys;
+use super::outline::Outlines;
 use super::overlay::Overlay;
 use super::player::Player;
 #[cfg(feature = "shader-compiler")]
 use super::reload::Reload;
 use super::rig::{Motion, Rig};
+use super::scenes::Scenes;
 use super::steps::Steps;
 use super::{Viewer, no_window};
 use crate::gpu::{PresentMode, View, WindowHandles};
-use crate::plan::Options;
 use crate::scene::{Scene, World};
 use crate::{Error, Result};
 
@@ -59,6 +60,8 @@ pub(super) struct App {
     /// What the user was told last.
     pub(super) message: RefCell<String>,
     pub(super) asks_help: bool,
+    pub(super) outlines: Outlines,
+    pub(super) scenes: Scenes,
     pub(super) compare: Compare,
     pub(super) divider: Divider,
     /// Why the window closes.
@@ -116,6 +119,8 @@ impl App {
             clock: Clock::new(),
             message: RefCell::default(),
             asks_help: false,
+            outlines: Outlines::default(),
+            scenes: Scenes::default(),
             compare: Compare::default(),
             divider: Divider::default(),
             failed: None,
@@ -282,58 +287,6 @@ impl App {
         let Some(open) = &self.open else { return };
         let Some(ms) = self.clock.tell_ms() else { return };
         open.window.set_title(&format!("{} - ontile - {ms:.1} ms", self.world.scene().name));
-    }
-
-    fn wish(&mut self, wish: Wish, events: &ActiveEventLoop) {
-        match wish {
-            Wish::Quit => events.exit(),
-            Wish::Help if self.viewer.options.overlay => self.asks_help = !self.asks_help,
-            Wish::Help => (self.viewer.tell)(HELP),
-            Wish::Overlay => {
-                let overlay = !self.viewer.options.overlay;
-                self.set_options(Options { overlay, ..self.viewer.options.clone() });
-            }
-            Wish::Show(backwards) => self.show_next(backwards),
-            Wish::Split => self.toggle(How::Split(MIDDLE)),
-            Wish::Difference => self.toggle(How::Difference(GAIN)),
-            Wish::Motion => {
-                self.rig.motion = match self.rig.motion {
-                    Motion::Orbit => Motion::Fly,
-                    Motion::Fly => Motion::Orbit,
-                };
-            }
-            Wish::Camera(index) if index >= self.world.scene().cameras.len() => {}
-            Wish::Camera(index) => {
-                self.rig = Rig::new(self.world.scene(), index, self.rig.motion);
-            }
-            Wish::NextCamera => {
-                let cameras = &self.world.scene().cameras;
-                let count = cameras.len();
-                let now = cameras.iter().position(|c| c.name == self.rig.camera.name);
-                self.wish(Wish::Camera(now.map_or(0, |n| (n + 1) % count)), events);
-            }
-            Wish::Play => {
-                let _ = self.control(|controls| controls.is_playing = !controls.is_playing);
-            }
-            Wish::NextAnimation => self.next_animation(),
-            Wish::Step(steps) => self.step_animation(steps),
-            Wish::Hasten(doublings) => self.hasten(doublings),
-            Wish::Course(wish) => self.set_course(wish),
-            Wish::Expose(half_stops) => {
-                let ev = self.viewer.exposure_ev + 0.5 * half_stops as f32;
-                self.viewer.exposure_ev = ev.clamp(-64.0, 64.0);
-            }
-            Wish::Screenshot => {
-                let path = free_name("png");
-                self.tell_text(&format!("screenshot: {}", path.display()));
-                self.steps.want_shot(path);
-            }
-            Wish::Fullscreen => {
-                let Some(open) = &self.open else { return };
-                let is_full = open.window.fullscreen().is_some();
-                open.window.set_fullscreen((!is_full).then_some(Fullscreen::Borderless(None)));
-            }
-        }
     }
 
     pub(super) fn fail(&mut self, error: Error, events: &ActiveEventLoop) {

@@ -49,14 +49,17 @@ fn prepare(
     slot: usize,
     is_recorded: &mut bool,
     stamps_ns: &mut Vec<f64>,
-    overlay: Option<&Overlay>,
+    over: Option<(&mut Overlay, &Target, &View<'_>)>,
 ) -> Result<()> {
     if std::mem::replace(is_recorded, true)
         && let Some(stamps) = renderer.query_results(slot)?.timestamps_ns
     {
         *stamps_ns = stamps;
     }
-    overlay.map_or(Ok(()), |overlay| renderer.set_overlay(slot, &overlay.frame()))
+    over.map_or(Ok(()), |(overlay, target, view)| {
+        overlay.outline(renderer, target, view);
+        renderer.set_overlay(slot, &overlay.frame())
+    })
 }
 
 /// Brings renderer and target to where the world is; what was the target, of which frames may be on the GPU, if there is another.
@@ -185,17 +188,30 @@ impl Frames {
         if self.swapchain.is_some() && !self.is_outdated {
             return Ok(true);
         }
-        self.presenter.wait()?;
-        self.shown.iter_mut().for_each(|shown| shown.target = None);
-        let old = self.swapchain.take();
-        self.swapchain = match Swapchain::new(&surface, window_size, self.mode, old.as_ref()) {
-            Err(error) if Surface::is_lost(&error) => {
+        // Frames go on to what was there; nothing waits for them.
+        self.shown.iter_mut().for_each(|shown| self.presenter.retire(shown.take_images()));
+        let made = Swapchain::new(&surface, window_size, self.mode, self.swapchain.as_ref());
+        match (self.swapchain.take(), made) {
+            (old, Err(error)) if Surface::is_lost(&error) => {
+                self.presenter.wait()?;
                 drop((old, surface));
                 self.surface = None;
                 return Ok(false);
             }
-            made => made?,
-        };
+            (Some(old), Ok(Some(new))) => {
+                self.swapchain = Some(new);
+                self.presenter.retire_swapchain(old)?;
+            }
+            // No other has replaced it: the window can have a new one only when it is gone.
+            (old, Ok(None)) => {
+                self.presenter.wait()?;
+                drop(old);
+            }
+            (old, made) => {
+                self.swapchain = old;
+                self.swapchain = made?;
+            }
+        }
         self.is_outdated = false;
         Ok(self.swapchain.is_some())
     }
@@ -279,10 +295,11 @@ impl Frames {
                 let left = follow(&mut rest[0], before.last(), images, world, recorder);
                 let output = rest[0].output(image);
                 let Shown { renderer, recorded, target: Some(target), .. } = &mut rest[0] else { continue };
-                let overlay = overlay.as_deref().filter(|_| renderer.plan().options.overlay);
+                let over = overlay.as_deref_mut().filter(|_| renderer.plan().options.overlay);
+                let over = over.map(|overlay| (overlay, &*target, view));
                 let ready = left.and_then(|old| {
                     replaced.extend(old);
-                    prepare(renderer, slot, &mut recorded[slot], stamps_ns, overlay)
+                    prepare(renderer, slot, &mut recorded[slot], stamps_ns, over)
                 });
                 prepared = std::mem::replace(&mut prepared, Ok(())).and(ready);
                 if renderer.created(target) {
@@ -293,7 +310,8 @@ impl Frames {
                 swapchain.read(recorder, image, readback);
             }
         })?;
-        if readback.is_some() || !replaced.is_empty() {
+        replaced.into_iter().for_each(|target| self.presenter.retire(target));
+        if readback.is_some() {
             self.presenter.wait()?;
         }
         prepared?;

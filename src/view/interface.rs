@@ -3,6 +3,7 @@
 use winit::event_loop::ActiveEventLoop;
 
 use super::app::{App, Open};
+use super::outline::Outlines;
 use super::overlay::Overlay;
 use super::panels::Shows;
 use crate::plan::{Needs, Options, Plan, Show};
@@ -35,6 +36,9 @@ impl App {
 
     /// Makes the overlay's next frame and does what it is asked; there is one only while the plan has it.
     pub(super) fn lay_out(&mut self, seconds: f32) {
+        if self.viewer.options.overlay {
+            self.look_for_scenes(false);
+        }
         let Some(Open { frames, window, overlay }) = &mut self.open else { return };
         let (Some(shown), Some(size)) = (frames.shown(), frames.size()) else { return };
         if !shown.renderer.plan().options.overlay {
@@ -52,11 +56,14 @@ impl App {
                 exposure_ev: self.viewer.exposure_ev,
                 player: self.player.as_ref(),
                 course: &self.course,
+                scenes: &self.scenes,
+                scene: &self.viewer.scene,
                 size,
                 frame_ms: seconds * 1e3,
                 stamps_ns: frames.stamps_ns(),
                 message: &self.message.borrow(),
                 asks_help: self.asks_help,
+                outlines: self.outlines,
             },
         );
         self.viewer.exposure_ev = asked.exposure_ev.unwrap_or(self.viewer.exposure_ev);
@@ -66,8 +73,14 @@ impl App {
         if let Some(wish) = asked.course {
             self.set_course(wish);
         }
+        if let Some(Err(error)) = asked.scene.map(|wish| self.set_scene(wish)) {
+            self.tell(&error);
+        }
         if let Some((name, value)) = asked.set {
             self.set_option(&name, value);
+        }
+        if let Some(outlines) = asked.outlines {
+            self.set_outlines(outlines);
         }
         if let Some(how) = asked.how {
             self.set_how(how);
@@ -93,6 +106,16 @@ impl App {
         let mut others = others.map(|show| Options { show, ..options.clone() });
         if let Some(next) = others.find(|o| Plan::new(needs.clone(), o.clone(), &limits).is_ok()) {
             self.set_options(next);
+        }
+    }
+
+    /// Outlines these, in the overlay.
+    pub(super) fn set_outlines(&mut self, outlines: Outlines) {
+        if outlines == Outlines::default()
+            || self.viewer.options.overlay
+            || self.set_options(Options { overlay: true, ..self.viewer.options.clone() })
+        {
+            self.outlines = outlines;
         }
     }
 

@@ -34,6 +34,10 @@ pub(super) enum Wish {
     Course(CourseWish),
     /// What else there is to show; whether backwards.
     Show(bool),
+    /// Outlines of the light volumes, or none.
+    Volumes,
+    /// The cells that lights are listed in, or none.
+    Clusters,
     /// A beside B, or A alone.
     Split,
     /// How far they are apart, likewise.
@@ -48,6 +52,7 @@ wheel, pinch          nearer and further
 F                     orbit / fly
 F2                    the overlay: times, plan, bytes, options
 G, Shift-G            what is shown: the picture, the G-buffer's channels, lights, edges
+L, Shift-L            outlines of the light volumes and shadow cascades; the cells that lights are listed in
 B, V                  two ways to draw it: side by side (drag the divider), or their difference
 W A S D, Q E          fly; with Shift ten times as fast
 1 to 9, C             the scene's cameras, the next camera
@@ -93,6 +98,7 @@ impl Keys {
             KeyCode::KeyF => Some(Wish::Motion),
             KeyCode::F2 => Some(Wish::Overlay),
             KeyCode::KeyG => Some(Wish::Show(self.shift())),
+            KeyCode::KeyL => Some(if self.shift() { Wish::Clusters } else { Wish::Volumes }),
             KeyCode::KeyB => Some(Wish::Split),
             KeyCode::KeyV => Some(Wish::Difference),
             KeyCode::Digit1 => camera(0),

@@ -21,15 +21,19 @@ mod frames;
 mod hand;
 mod interface;
 mod keys;
+mod outline;
 mod overlay;
 mod panels;
 mod player;
 #[cfg(any(test, feature = "shader-compiler"))]
 mod reload;
 mod rig;
+mod scenes;
 mod script;
 mod shown;
 mod steps;
+mod wireframe;
+mod wishes;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -48,12 +52,17 @@ use crate::{Error, Result};
 /// How a scene file becomes a scene, on any thread.
 pub type Load = Arc<dyn Fn(&Path) -> Result<Scene> + Send + Sync>;
 
+/// The files of all scenes that can be opened, beside the one that is; some may be made only when they are loaded.
+pub type List = Arc<dyn Fn(&Path) -> Vec<PathBuf> + Send + Sync>;
+
 /// What is shown, and how. [`Viewer::run`] shows it.
 pub struct Viewer {
     /// The scene's file.
     pub scene: PathBuf,
     /// Reads it, and those that are opened later.
     pub load: Load,
+    /// What the panel "Scenes" lists: by default the `.glb` and `.gltf` files of the open one's folder.
+    pub list: List,
     /// How the frame is built, and whether the overlay is shown. `size` is the window's at first, in pixels; what concerns the output follows from the window.
     pub options: Options,
     /// Stops.
@@ -96,6 +105,7 @@ impl Viewer {
         Self {
             scene: scene.into(),
             load: Arc::new(load),
+            list: Arc::new(scenes::beside),
             options: Options { overlay: true, ..Options::default() },
             exposure_ev: 0.0,
             camera: None,

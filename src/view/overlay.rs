@@ -3,20 +3,25 @@
 //! The library that makes them mixes its colours as displays encode them, the pass as light: half-transparent panels and the edges of
 //! letters come out lighter than elsewhere, and nothing needs a copy of the picture.
 
-use egui::{ClippedPrimitive, TextureId, ViewportId, epaint};
+use egui::epaint::ClippedShape;
+use egui::{ClippedPrimitive, Rect, TextureId, ViewportId, epaint};
 use egui_winit::EventResponse;
 use winit::event::WindowEvent;
 use winit::window::Window;
 
+use super::outline::Outlines;
 use super::panels::{Asked, Panels, Shows};
 use crate::Result;
-use crate::gpu::{OverlayFrame, OverlayPart, OverlayVertex, Renderer};
+use crate::gpu::{OverlayFrame, OverlayPart, OverlayVertex, Renderer, Target, View};
 
 /// Interface, input and the triangles of the last frame.
 pub(super) struct Overlay {
     context: egui::Context,
     input: egui_winit::State,
     panels: Panels,
+    outlines: Outlines,
+    /// Of the last [`Self::lay_out`].
+    panel_shapes: Vec<ClippedPrimitive>,
     atlas: Atlas,
     vertices: Vec<OverlayVertex>,
     indices: Vec<u32>,
@@ -44,6 +49,8 @@ impl Overlay {
             context,
             input,
             panels: Panels::default(),
+            outlines: Outlines::default(),
+            panel_shapes: Vec::new(),
             atlas: Atlas::default(),
             vertices: Vec::new(),
             indices: Vec::new(),
@@ -85,7 +92,7 @@ impl Overlay {
         self.atlas.has_changed = false;
     }
 
-    /// The triangles of the last [`Self::lay_out`].
+    /// The triangles of the last [`Self::lay_out`] and [`Self::outline`].
     pub(super) fn frame(&self) -> OverlayFrame<'_> {
         OverlayFrame {
             vertices: &self.vertices,
@@ -108,15 +115,43 @@ impl Overlay {
             }
         }
         self.pixels_per_point = output.pixels_per_point;
-        let shapes = self.context.tessellate(output.shapes, output.pixels_per_point);
-        self.gather(&shapes);
+        self.panel_shapes = self.context.tessellate(output.shapes, output.pixels_per_point);
+        self.outlines = shows.outlines;
+        self.clear();
+        self.gather_panels();
         asked
     }
 
-    fn gather(&mut self, shapes: &[ClippedPrimitive]) {
+    /// Outlines what the renderer's next frame of this view is lit by, below the panels.
+    pub(super) fn outline(&mut self, renderer: &mut Renderer, target: &Target, view: &View<'_>) {
+        if self.outlines == Outlines::default() {
+            return;
+        }
+        let (context, ppp) = (&self.context, self.pixels_per_point);
+        let seen = renderer.see_lights(target, view);
+        let mut shapes = Vec::new();
+        self.panels.outlined = self.outlines.draw(&seen, view.camera, ppp, context, &mut shapes);
+        let clip_rect = Rect::EVERYTHING;
+        let clipped = shapes.into_iter().map(|shape| ClippedShape { clip_rect, shape }).collect();
+        let outlines = context.tessellate(clipped, ppp);
+        self.clear();
+        self.gather(&outlines);
+        self.gather_panels();
+    }
+
+    fn clear(&mut self) {
         self.vertices.clear();
         self.indices.clear();
         self.parts.clear();
+    }
+
+    fn gather_panels(&mut self) {
+        let shapes = std::mem::take(&mut self.panel_shapes);
+        self.gather(&shapes);
+        self.panel_shapes = shapes;
+    }
+
+    fn gather(&mut self, shapes: &[ClippedPrimitive]) {
         let pixel = |points: f32| (points * self.pixels_per_point).round().max(0.0) as u32;
         for ClippedPrimitive { clip_rect, primitive } in shapes {
             let epaint::Primitive::Mesh(mesh) = primitive else { continue };

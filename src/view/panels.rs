@@ -1,6 +1,7 @@
 //! What the interface shows: times, the plan as a picture, the ledger, switches.
 
 use std::collections::VecDeque;
+use std::path::Path;
 
 use egui::{
     Align2, CollapsingHeader, Color32, ComboBox, FontId, LayerId, Rect, RichText, Sense, Stroke, Ui, pos2,
@@ -10,7 +11,9 @@ use egui::{
 use super::compare::{Compare, GAIN, How, MIDDLE};
 use super::course::{Course, CourseWish};
 use super::keys::HELP;
+use super::outline::{Outlined, Outlines};
 use super::player::{Controls, Player};
+use super::scenes::{SceneWish, Scenes};
 use super::shown::Shown;
 use crate::gpu::ExplainedKind;
 use crate::plan::{Layout, LightWay, Load, Options, Plan, Show, Store, Strategy, Tonemap, heat};
@@ -24,6 +27,9 @@ pub(super) struct Shows<'a> {
     /// Of a scene that moves.
     pub(super) player: Option<&'a Player>,
     pub(super) course: &'a Course,
+    pub(super) scenes: &'a Scenes,
+    /// The file of the open one.
+    pub(super) scene: &'a Path,
     /// Of the picture, pixels.
     pub(super) size: [u32; 2],
     /// Between the last two frames.
@@ -33,6 +39,7 @@ pub(super) struct Shows<'a> {
     /// What the user was told last.
     pub(super) message: &'a str,
     pub(super) asks_help: bool,
+    pub(super) outlines: Outlines,
 }
 
 /// What the user asks for.
@@ -41,11 +48,13 @@ pub(super) struct Asked {
     /// An option by its name, and its value.
     pub(super) set: Option<(String, &'static str)>,
     pub(super) how: Option<How>,
+    pub(super) outlines: Option<Outlines>,
     /// How far A and B are apart.
     pub(super) measures: bool,
     pub(super) exposure_ev: Option<f32>,
     pub(super) controls: Option<Controls>,
     pub(super) course: Option<CourseWish>,
+    pub(super) scene: Option<SceneWish>,
 }
 
 /// What panels remember.
@@ -53,6 +62,8 @@ pub(super) struct Asked {
 pub(super) struct Panels {
     frames_ms: VecDeque<f32>,
     gpu_ms: VecDeque<f32>,
+    /// What was outlined last.
+    pub(super) outlined: Outlined,
 }
 
 /// Frames whose times are shown.
@@ -102,8 +113,14 @@ impl Panels {
                     if let Some(player) = shows.player {
                         section(ui, "Animation", true, |ui| asked.controls = player.panel(ui));
                     }
+                    section(ui, "Scenes", false, |ui| asked.scene = shows.scenes.panel(ui, shows.scene));
                     section(ui, "Camera path", false, |ui| asked.course = shows.course.panel(ui));
-                    if shows.shown.renderer.plan().options.show == Show::Lights {
+                    section(ui, "Lights", false, |ui| {
+                        asked.outlines = shows.outlines.panel(ui, &self.outlined);
+                    });
+                    if shows.shown.renderer.plan().options.show == Show::Lights
+                        || shows.outlines.cells.is_some()
+                    {
                         legend(ui);
                     }
                     let title = if shows.compare.how == How::Alone { "Plan" } else { "Plan of B" };

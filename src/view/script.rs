@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use super::outline::Cells;
 use crate::scene::PreRotation;
 use crate::{Error, Result};
 
@@ -15,6 +16,8 @@ use crate::{Error, Result};
 /// | `frames N` | shows N frames |
 /// | `size WxH` | makes the window so many pixels large; `0x0` is as if it were minimised |
 /// | `open FILE` | opens a scene, and goes on when that is done or has failed |
+/// | `scenes FILE` | looks at what there is to open, and writes it: a file a line |
+/// | `pick N` | opens the n-th of those, from 0, as the panel does, and goes on when that is done or has failed |
 /// | `set OPTION VALUE` | sets one of the [`Options`](crate::plan::Options) by its name, as [`Options::set`](crate::plan::Options::set) |
 /// | `set b.OPTION VALUE` | likewise of B, which has A's options but for those that are set so |
 /// | `split SHARE\|off` | shows A left of this share of the width and B right of it; off: A alone |
@@ -33,6 +36,8 @@ use crate::{Error, Result};
 /// | `screenshot FILE` | shows a frame and writes it |
 /// | `live FILE` | writes what exists on the device as JSON: the number of objects by kind, and their memory |
 /// | `overlay on\|off` | shows times, plan and options over the picture, or not |
+/// | `volumes on\|off` | outlines the light volumes and the shadow cascades, in the overlay |
+/// | `clusters most\|N\|off` | shows how many lights the cells of slice N list, or each tile's cell with the most, in the overlay |
 /// | `turn DEGREES` | draws as if the screen was turned, by 0, 90, 180 or 270 degrees; screenshots are upright |
 /// | `low-memory` | as if the system was short of memory: while the surface is taken, what draws goes |
 /// | `suspend`, `resume` | as if the system took the window's surface, and gave it back |
@@ -47,6 +52,8 @@ pub(super) enum Step {
     Frames(u32),
     Size([u32; 2]),
     Open(PathBuf),
+    Scenes(PathBuf),
+    Pick(usize),
     Set(String, String),
     Camera(String),
     Time(f64),
@@ -62,6 +69,8 @@ pub(super) enum Step {
     Screenshot(PathBuf),
     Live(PathBuf),
     Overlay(bool),
+    Volumes(bool),
+    Clusters(Option<Cells>),
     Split(Option<f32>),
     Difference(Option<f32>),
     Measure(PathBuf),
@@ -118,6 +127,8 @@ fn step(line: &str) -> Result<Step, String> {
                 .ok_or_else(|| needs("a size like 640x360"))
         }
         "open" => file().map(Step::Open),
+        "scenes" => file().map(Step::Scenes),
+        "pick" => rest.parse().map(Step::Pick).map_err(|_| needs("a scene's number")),
         "set" => {
             let pair = rest.split_once(char::is_whitespace);
             let (name, value) = pair.ok_or_else(|| needs("an option and its value"))?;
@@ -153,7 +164,15 @@ fn step(line: &str) -> Result<Step, String> {
         "measure" => file().map(Step::Measure),
         "overlay" if rest == "on" => Ok(Step::Overlay(true)),
         "overlay" if rest == "off" => Ok(Step::Overlay(false)),
-        "overlay" => Err(needs("on or off")),
+        "volumes" if rest == "on" => Ok(Step::Volumes(true)),
+        "volumes" if rest == "off" => Ok(Step::Volumes(false)),
+        "overlay" | "volumes" => Err(needs("on or off")),
+        "clusters" if rest == "most" => Ok(Step::Clusters(Some(Cells::Most))),
+        "clusters" if rest == "off" => Ok(Step::Clusters(None)),
+        "clusters" => {
+            let slice = rest.parse().map(|slice| Step::Clusters(Some(Cells::Slice(slice))));
+            slice.map_err(|_| needs("most, the number of a slice, or off"))
+        }
         "turn" => {
             let names = ["0", "90", "180", "270"];
             let index = names.iter().position(|name| *name == rest);
@@ -183,13 +202,15 @@ mod tests {
 
     #[test]
     fn lines_are_commands() {
-        let text = "size 640x360 # at first\n\n  frames 3\nset layout packed128\nopen a b.glb\ncamera 1\ntime 0.5\nanimation all\nplay\nspeed -2\npause\nrecord a.flight\nstop\nfly a.flight\nreload\nexposure -1.5\n\
-                    drag 10 -4\nscreenshot o.png\nlive l.json\noverlay on\nsplit 0.25\ndifference 8\nsplit off\nmeasure m.json\nturn 90\nlow-memory\nsuspend\nresume\nstay\n";
+        let text = "size 640x360 # at first\n\n  frames 3\nset layout packed128\nopen a b.glb\nscenes s.txt\npick 2\ncamera 1\ntime 0.5\nanimation all\nplay\nspeed -2\npause\nrecord a.flight\nstop\nfly a.flight\nreload\nexposure -1.5\n\
+                    drag 10 -4\nscreenshot o.png\nlive l.json\noverlay on\nvolumes on\nclusters 3\nclusters most\nclusters off\nvolumes off\nsplit 0.25\ndifference 8\nsplit off\nmeasure m.json\nturn 90\nlow-memory\nsuspend\nresume\nstay\n";
         let expected = [
             Step::Size([640, 360]),
             Step::Frames(3),
             Step::Set("layout".into(), "packed128".into()),
             Step::Open("a b.glb".into()),
+            Step::Scenes("s.txt".into()),
+            Step::Pick(2),
             Step::Camera("1".into()),
             Step::Time(0.5),
             Step::Animation("all".into()),
@@ -205,6 +226,11 @@ mod tests {
             Step::Screenshot("o.png".into()),
             Step::Live("l.json".into()),
             Step::Overlay(true),
+            Step::Volumes(true),
+            Step::Clusters(Some(Cells::Slice(3))),
+            Step::Clusters(Some(Cells::Most)),
+            Step::Clusters(None),
+            Step::Volumes(false),
             Step::Split(Some(0.25)),
             Step::Difference(Some(8.0)),
             Step::Split(None),
@@ -222,6 +248,7 @@ mod tests {
             ("size 3", "a size like"),
             ("size 3x99999", "a size like"),
             ("open", "needs a file"),
+            ("pick lamps", "scene's number"),
             ("set layout", "an option and its value"),
             ("camera", "number or name"),
             ("time inf", "number of seconds"),
@@ -231,6 +258,8 @@ mod tests {
             ("exposure nan", "number of stops"),
             ("drag 1", "two numbers"),
             ("overlay", "on or off"),
+            ("volumes", "on or off"),
+            ("clusters all", "number of a slice"),
             ("split 2", "share of the width"),
             ("difference 0", "a factor"),
             ("turn 45", "90, 180"),

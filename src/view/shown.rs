@@ -61,7 +61,7 @@ impl Shown {
             == (swapchain.format(), swapchain.is_input_attachment())
     }
 
-    /// Makes the target of these images; no frame to the former one is on the GPU. `before` draws what this is compared with.
+    /// Makes the target of these images, which has none: see [`Self::take_images`]. `before` draws what this is compared with.
     pub(super) fn fit(
         &mut self,
         (swapchain, pre_rotation): (&Swapchain, PreRotation),
@@ -91,6 +91,11 @@ impl Shown {
         target.pre_rotate(pre_rotation);
         self.target = Some(target);
         Ok(())
+    }
+
+    /// Takes what goes with the window's images, of which frames may be on the GPU.
+    pub(super) fn take_images(&mut self) -> (Option<Target>, Option<Image>) {
+        (self.target.take(), self.own.take())
     }
 
     /// The image among the target's that the window's n-th is drawn to, or from.

@@ -11,8 +11,10 @@ use winit::event_loop::ActiveEventLoop;
 use super::app::App;
 use super::compare::How;
 use super::hand;
+use super::outline::Outlines;
 #[cfg(feature = "shader-compiler")]
 use super::reload::Reload;
+use super::scenes::SceneWish;
 use super::script::{Script, Step};
 use crate::plan::Options;
 use crate::{Error, Result};
@@ -152,15 +154,24 @@ impl App {
             }
             Step::Size(size) => {
                 let Some(open) = &mut self.open else { return Ok(()) };
-                if std::mem::take(&mut self.is_minimised) {
+                let [width, height] = size;
+                let resized = open.window.request_inner_size(PhysicalSize::new(width, height));
+                // What has its size at once, as windows on Wayland do, is not told of it.
+                if std::mem::take(&mut self.is_minimised) || resized.is_some() {
                     open.frames.outdate();
                 }
-                let [width, height] = size;
-                let _ = open.window.request_inner_size(PhysicalSize::new(width, height));
                 self.steps.wait = Some(Wait::Size(size, Instant::now()));
             }
             Step::Open(path) => {
                 self.load(&path);
+                self.steps.wait = Some(Wait::Loading);
+            }
+            Step::Scenes(path) => {
+                self.look_for_scenes(true);
+                crate::file::write_whole(&path, self.scenes.to_text().as_bytes())?;
+            }
+            Step::Pick(index) => {
+                self.set_scene(SceneWish::Open(index))?;
                 self.steps.wait = Some(Wait::Loading);
             }
             Step::Set(name, value) => self.set_option(&name, &value),
@@ -194,6 +205,8 @@ impl App {
             Step::Overlay(is_on) => {
                 self.set_options(Options { overlay: is_on, ..self.viewer.options.clone() });
             }
+            Step::Volumes(volumes) => self.set_outlines(Outlines { volumes, ..self.outlines }),
+            Step::Clusters(cells) => self.set_outlines(Outlines { cells, ..self.outlines }),
             Step::Split(share) => self.set_how(share.map_or(How::Alone, How::Split)),
             Step::Difference(gain) => self.set_how(gain.map_or(How::Alone, How::Difference)),
             Step::Measure(path) => self.measure(Some(&path))?,

@@ -43,6 +43,17 @@ pub struct Case {
     pub decals: DecalWay,
     pub refraction: Refraction,
     pub show: Show,
+    /// Another frame beside it, or that it is compared with.
+    pub beside: Option<Beside>,
+}
+
+/// What a second renderer draws to the same image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Beside {
+    /// The right part of it, from this column on.
+    Split(u32),
+    /// All of it: how far the pictures are apart.
+    Difference,
 }
 
 /// What is wrong with the plan.
@@ -104,6 +115,7 @@ impl Case {
             decals: DecalWay::Auto,
             refraction: Refraction::None,
             show: Show::Picture,
+            beside: None,
         }
     }
 
@@ -119,7 +131,7 @@ impl Case {
         scene
     }
 
-    fn plan(&self, scene: &Scene) -> Plan {
+    fn plan(&self, scene: &Scene, others: Options) -> Plan {
         let options = Options {
             size: SIZE,
             strategy: self.strategy,
@@ -138,7 +150,7 @@ impl Case {
             refraction: self.refraction,
             overlay: self.overlay,
             show: self.show,
-            ..Options::default()
+            ..others
         };
         // What every Adreno of these generations allows.
         let limits = Limits {
@@ -163,14 +175,19 @@ impl Case {
         let options =
             HeadlessOptions { validate: true, application_name: "tiles".into(), ..Default::default() };
         let host = Headless::new(&options).unwrap();
-        let cache = PipelineCache::new(host.device(), &[]).unwrap();
         let config = RendererConfig {
             capture: self.capture,
             stage_timestamps: self.stage_timestamps,
             ..RendererConfig::default()
         };
         let scene = self.scene();
-        let plan = self.plan(&scene);
+        if let Some(beside) = self.beside {
+            // Shadow maps are passes too, and others' matter.
+            let scene = scene.without_shadows();
+            return super::beside::run(host, &scene, |options| self.plan(&scene, options), beside, told);
+        }
+        let cache = PipelineCache::new(host.device(), &[]).unwrap();
+        let plan = self.plan(&scene, Options::default());
         // A plan means what it does; of separate passes all advice is wanted.
         let separate = plan.strategy == Strategy::Separate;
         let expected = if separate { Vec::new() } else { expected_advice(&plan) };

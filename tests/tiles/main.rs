@@ -4,6 +4,7 @@
 //!
 //! The driver has its own libc, so each frame is a process: this executable, told to run [`child_renders`] only.
 
+mod beside;
 mod child;
 #[path = "../common/mod.rs"]
 mod common;

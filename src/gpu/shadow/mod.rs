@@ -27,6 +27,8 @@ use crate::plan::{Plan, ShadowFigures, ShadowMap, ShadowOptions, planned_bytes};
 use crate::scene::{Aabb, Light, Scene};
 use crate::visible::ShadowShape;
 use crate::{Error, Result};
+#[cfg(feature = "view")]
+use crate::{scene::Camera, visible::ShadowView};
 use casters::{Batch, Casters};
 use lights::LightViews;
 use pipelines::{Builder, CasterPipelines, tile_pass};
@@ -282,6 +284,14 @@ impl Shadows {
         let Self { lights, options, .. } = self;
         if let Some(mapped) = lights.iter_mut().find(|l| l.index() == index) {
             mapped.set(light, options);
+        }
+    }
+
+    /// Hands out the views that a frame's directional lights take.
+    #[cfg(feature = "view")]
+    pub(super) fn cascades(&self, camera: &Camera, aspect: f64, mut add: impl FnMut(ShadowView)) {
+        for light in self.lights.iter().filter(|light| light.shape() == ShadowShape::Cascades) {
+            light.views(camera, aspect, &self.bounds_world, |_, view| view.into_iter().for_each(&mut add));
         }
     }
 

@@ -96,8 +96,14 @@ impl Grid {
         ((self.slice(distance) * self.rows + row) * self.columns + column) as usize
     }
 
+    /// The cell of a tile and a slice.
+    #[cfg(feature = "view")]
+    pub(crate) fn cell_at(&self, [column, row]: [u32; 2], slice: u32) -> usize {
+        ((slice * self.rows + row) * self.columns + column) as usize
+    }
+
     /// The distance at which a slice begins, by the formula: of the first slice too.
-    fn begin(&self, slice: u32) -> f32 {
+    pub(crate) fn begin(&self, slice: u32) -> f32 {
         let measure = (slice as f32 - self.slice_bias) / self.slice_scale;
         if self.logarithmic { measure.exp2() } else { measure }
     }
