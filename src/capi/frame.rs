@@ -181,6 +181,23 @@ pub unsafe extern "C" fn ontile_renderer_finish_upload(renderer: *mut OntileRend
     })
 }
 
+/// Whether frames recorded from now on have queries of their own (timestamps, statistics); at first they have. Those that a host counts by
+/// VK_KHR_performance_query want none.
+///
+/// # Safety
+/// `renderer` is valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ontile_renderer_set_queries(
+    renderer: *mut OntileRenderer,
+    are_recorded: bool,
+) -> OntileResult {
+    call(|| {
+        // SAFETY: the caller's promise.
+        unsafe { get_mut(renderer, "renderer") }?.renderer.set_queries(are_recorded);
+        Ok(())
+    })
+}
+
 /// Brings a renderer to the state that its world is in now, for the frames recorded from now on; frames on the GPU go on as they are.
 /// Copies are recorded into `commands`, which the host submits before the next frame or with it. Nothing waits. Afterwards, and once
 /// the world's other renderers are updated too, the host calls ontile_world_clear_changes. `updated` may be null.

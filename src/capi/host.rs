@@ -116,6 +116,8 @@ unsafe fn device_of(host: &OntileHost) -> Outcome<Device> {
                 ordered_attachment_access: has(ONTILE_FEATURE_ORDERED_ATTACHMENT_ACCESS),
                 local_read: has(ONTILE_FEATURE_LOCAL_READ),
                 subpass_merge_feedback: has(ONTILE_FEATURE_SUBPASS_MERGE_FEEDBACK),
+                // A C host begins and ends queries of its own around a frame.
+                performance_counters: false,
                 sample_rate_shading: has(ONTILE_FEATURE_SAMPLE_RATE_SHADING),
                 depth_clamp: has(ONTILE_FEATURE_DEPTH_CLAMP),
                 sampler_anisotropy: has(ONTILE_FEATURE_SAMPLER_ANISOTROPY),

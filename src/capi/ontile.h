@@ -489,6 +489,11 @@ enum OntileResult ontile_renderer_record_upload(struct OntileRenderer *renderer,
 /// Frees staging memory once the commands of ontile_renderer_record_upload have finished on the GPU.
 enum OntileResult ontile_renderer_finish_upload(struct OntileRenderer *renderer);
 
+/// Whether frames recorded from now on have queries of their own (timestamps, statistics); at first they have. Those that a host counts by
+/// VK_KHR_performance_query want none.
+enum OntileResult ontile_renderer_set_queries(struct OntileRenderer *renderer,
+                                              bool are_recorded);
+
 /// Brings a renderer to the state that its world is in now, for the frames recorded from now on; frames on the GPU go on as they are.
 /// Copies are recorded into `commands`, which the host submits before the next frame or with it. Nothing waits. Afterwards, and once
 /// the world's other renderers are updated too, the host calls ontile_world_clear_changes. `updated` may be null.

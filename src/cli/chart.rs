@@ -138,6 +138,7 @@ fn host(args: &ChartArgs) -> Result<Headless> {
         device_name_part: args.device.clone(),
         validate: false,
         application_name: "ontile".into(),
+        ..HeadlessOptions::default()
     })
 }
 

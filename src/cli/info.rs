@@ -1,7 +1,7 @@
 //! `ontile info`
 
 use clap::Args;
-use ontile::gpu::{self, Caps};
+use ontile::gpu::{self, Caps, Counter};
 use serde::Serialize;
 
 use super::print;
@@ -12,17 +12,29 @@ use super::print;
 #[command(after_help = "\
 Examples:
   ontile info
-  ontile info --json")]
+  ontile info --json
+  ontile info --counters")]
 pub struct InfoArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+    /// List the performance counters that 'ontile render --counters' can read, by number and name
+    #[arg(long)]
+    pub counters: bool,
 }
 
 /// What is printed.
 #[derive(Serialize)]
 struct Devices {
-    devices: Vec<Caps>,
+    devices: Vec<Listed>,
+}
+
+#[derive(Serialize)]
+struct Listed {
+    #[serde(flatten)]
+    caps: Caps,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    counters: Option<Vec<Counter>>,
 }
 
 impl std::fmt::Display for Devices {
@@ -31,7 +43,10 @@ impl std::fmt::Display for Devices {
             if index > 0 {
                 writeln!(f)?;
             }
-            write!(f, "{device}")?;
+            write!(f, "{}", device.caps)?;
+            for (number, counter) in device.counters.iter().flatten().enumerate() {
+                writeln!(f, "  counter {number:<4}                {counter}")?;
+            }
         }
         Ok(())
     }
@@ -39,5 +54,12 @@ impl std::fmt::Display for Devices {
 
 /// Prints the devices.
 pub fn run(args: &InfoArgs) -> ontile::Result<()> {
-    print::value(&Devices { devices: gpu::devices()? }, args.json)
+    let devices = match args.counters {
+        true => gpu::devices_with_counters()?
+            .into_iter()
+            .map(|(caps, counters)| Listed { caps, counters: Some(counters) })
+            .collect(),
+        false => gpu::devices()?.into_iter().map(|caps| Listed { caps, counters: None }).collect(),
+    };
+    print::value(&Devices { devices }, args.json)
 }

@@ -329,6 +329,7 @@ fn of_scene(args: &ModelArgs, scene_args: &SceneArgs) -> ontile::Result<OfScene>
         device_name_part: args.device.clone(),
         validate: false,
         application_name: "ontile".into(),
+        ..HeadlessOptions::default()
     })?;
     let device = host.device();
     let options = auto::options_on(&args.plan, OutputFormat::Rgba8Srgb, &scene, &camera, device)?;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use ontile::gpu::{
-    Device, Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
+    Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View, expected_advice,
 };
 use ontile::measure::lit_by_sample;
 use ontile::picture::Picture;
@@ -59,6 +59,16 @@ pub struct RunArgs {
     /// Write what was created and measured as JSON: bytes per pixel, attachments, times [default: none]
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,
+    /// Write to the report what these performance counters of the device count in one more frame of the last view: by number or name
+    /// ('ontile info --counters' lists them), or all [default: none]
+    #[arg(
+        long,
+        value_name = "N|NAME,...|all",
+        value_delimiter = ',',
+        requires = "report",
+        allow_negative_numbers = true
+    )]
+    pub counters: Vec<String>,
     /// Use the first device whose name contains this, in either case [default: the first that fits]
     #[arg(long, value_name = "NAME_PART")]
     pub device: Option<String>,
@@ -120,8 +130,9 @@ fn render(args: &RenderArgs, scene: &Scene) -> Result<(Picture, Report)> {
         device_name_part: args.run.device.clone(),
         validate: args.run.validate,
         application_name: "ontile".into(),
+        performance_counters: !args.run.counters.is_empty(),
     })?;
-    let drawn = draw(args, scene, camera, flight.as_ref(), host.device());
+    let drawn = draw(args, scene, camera, flight.as_ref(), &host);
     // Destroying the device may bring messages too, and is when some drivers tell what they did.
     let mut messages = host.finish();
     let (picture, mut report, expected) = drawn?;
@@ -146,8 +157,12 @@ fn draw(
     scene: &Scene,
     camera: &Camera,
     flight: Option<&Flight>,
-    device: &Device,
+    host: &Headless,
 ) -> Result<(Picture, Report, Vec<&'static str>)> {
+    let device = host.device();
+    // An unknown name is told before the long work.
+    let counters = (!args.run.counters.is_empty()).then(|| host.counters()).transpose()?;
+    let chosen = counters.as_ref().map(|counters| counters.choose(&args.run.counters)).transpose()?;
     let options = auto::options_on(&args.plan, args.output.image_format(), scene, camera, device)?;
     let plan = Plan::new(Needs::of(scene), options, &device.limits())?;
     plan.warnings.iter().for_each(|warning| print::warning(warning));
@@ -185,6 +200,9 @@ fn draw(
         let view = View { camera: &camera, exposure_ev: args.plan.exposure };
         let share = lit_by_sample(device, scene, offscreen.renderer().plan(), &view, &cache)?;
         figures.lit_by_sample = share.map(Figure::driver);
+        let counted =
+            counters.zip(chosen).map(|(counters, chosen)| offscreen.count(&view, &counters, &chosen));
+        figures.counters = counted.transpose()?;
     }
     Ok((offscreen.picture(), report, expected))
 }

@@ -95,5 +95,6 @@ fn open(args: &StabilityArgs) -> Result<Bench> {
         device_name_part: args.device.clone(),
         validate: args.validate,
         application_name: "ontile".into(),
+        ..HeadlessOptions::default()
     })
 }

@@ -123,6 +123,7 @@ fn options(args: &ViewArgs) -> Result<Options> {
         device_name_part: args.window.device.clone(),
         validate: false,
         application_name: "ontile".into(),
+        ..HeadlessOptions::default()
     })?;
     auto::options_on(&args.plan, output, &scene, &camera, host.device())
 }

@@ -92,6 +92,9 @@ pub struct Caps {
     pub rasterization_order_attachment_access: bool,
     /// VK_EXT_subpass_merge_feedback.
     pub subpass_merge_feedback: bool,
+    /// `performanceCounterQueryPools` of VK_KHR_performance_query.
+    #[serde(default)]
+    pub performance_counters: bool,
     /// Memory types in the driver's order.
     pub memory_types: Vec<MemoryType>,
 }
@@ -179,9 +182,11 @@ impl Caps {
         let has_order = has(ash::ext::rasterization_order_attachment_access::NAME)
             || has(ash::arm::rasterization_order_attachment_access::NAME);
         let has_feedback = has(ash::ext::subpass_merge_feedback::NAME) && has(khr::create_renderpass2::NAME);
+        let has_counters = has(khr::performance_query::NAME);
         let mut local_read = vk::PhysicalDeviceDynamicRenderingLocalReadFeaturesKHR::default();
         let mut order = vk::PhysicalDeviceRasterizationOrderAttachmentAccessFeaturesEXT::default();
         let mut feedback = vk::PhysicalDeviceSubpassMergeFeedbackFeaturesEXT::default();
+        let mut counters = vk::PhysicalDevicePerformanceQueryFeaturesKHR::default();
         let mut features = vk::PhysicalDeviceFeatures2::default();
         if has_local_read {
             features = features.push_next(&mut local_read);
@@ -191,6 +196,9 @@ impl Caps {
         }
         if has_feedback {
             features = features.push_next(&mut feedback);
+        }
+        if has_counters {
+            features = features.push_next(&mut counters);
         }
         // SAFETY: as above; each chained structure's extension is there.
         unsafe { instance.get_physical_device_features2(physical_device, &mut features) };
@@ -291,6 +299,7 @@ impl Caps {
             rasterization_order_attachment_access: order.rasterization_order_color_attachment_access
                 == vk::TRUE,
             subpass_merge_feedback: feedback.subpass_merge_feedback == vk::TRUE,
+            performance_counters: counters.performance_counter_query_pools == vk::TRUE,
             memory_types: memory
                 .memory_types_as_slice()
                 .iter()

@@ -11,6 +11,7 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 use std::collections::BTreeMap;
 use std::ffi::CString;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What a host engine lends. Nothing in it is destroyed by this crate.
@@ -57,6 +58,8 @@ pub struct Features {
     pub local_read: bool,
     /// `subpassMergeFeedback` of VK_EXT_subpass_merge_feedback: reports say what the driver makes of subpasses.
     pub subpass_merge_feedback: bool,
+    /// `performanceCounterQueryPools` of VK_KHR_performance_query: [`Counters`](super::Counters) can be read.
+    pub performance_counters: bool,
     /// `sampleRateShading`: G-buffers of several samples a pixel want it.
     pub sample_rate_shading: bool,
     /// `depthClamp` and `shaderClipDistance`: shadow volumes want both.
@@ -92,6 +95,7 @@ struct Shared {
     caps: Caps,
     memory: vk::PhysicalDeviceMemoryProperties,
     counters: Counters,
+    profiling: AtomicBool,
     _owned: Option<OwnedDevice>,
 }
 
@@ -142,6 +146,7 @@ impl Device {
             caps,
             memory,
             counters: Counters::default(),
+            profiling: AtomicBool::new(false),
             _owned: owned,
         };
         Ok(Self { shared: Arc::new(shared) })
@@ -232,6 +237,11 @@ impl Device {
 
     pub(crate) fn counters(&self) -> &Counters {
         &self.shared.counters
+    }
+
+    /// Whether the profiling lock is held.
+    pub(super) fn profiling(&self) -> &AtomicBool {
+        &self.shared.profiling
     }
 
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {

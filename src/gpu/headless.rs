@@ -1,7 +1,7 @@
 //! A device of our own, without a window: what programs and tests use.
 
 use super::validation::Messages;
-use super::{Called, Caps, Device, Features, HostDevice};
+use super::{Called, Caps, Counters, Device, Features, HostDevice};
 use crate::{Error, Result};
 use ash::{ext, khr, vk};
 use std::ffi::{CStr, CString};
@@ -21,13 +21,22 @@ pub struct HeadlessOptions {
     pub validate: bool,
     /// Told to the driver.
     pub application_name: String,
+    /// Enable VK_KHR_performance_query, for [`Headless::counters`]; a device without it is refused.
+    pub performance_counters: bool,
 }
 
 /// Instance, device and queue of our own.
-#[derive(Debug)]
 pub struct Headless {
     device: Device,
     messages: Messages,
+    /// Keeps the Vulkan library loaded.
+    entry: ash::Entry,
+}
+
+impl std::fmt::Debug for Headless {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Headless").field(&self.device).finish()
+    }
 }
 
 impl Headless {
@@ -52,12 +61,23 @@ impl Headless {
         let messages = (*instance.messages).clone();
         let chosen = choose(candidates, options.device_name_part.as_deref())?;
         log::info!("using {} ({})", chosen.caps.name, chosen.caps.driver);
-        Ok(Self { device: open(instance, chosen, extensions)?, messages })
+        let entry = instance.entry.clone();
+        let device = open(instance, chosen, options.performance_counters, extensions)?;
+        Ok(Self { device, messages, entry })
     }
 
     /// The device.
     pub fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// The device's performance counters.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] without [`HeadlessOptions::performance_counters`]; [`Error::Vulkan`].
+    pub fn counters(&self) -> Result<Counters> {
+        // SAFETY: the device's instance was made with this entry.
+        unsafe { Counters::from_host(&self.entry, &self.device) }
     }
 
     /// What the validation layer has said so far.
@@ -69,7 +89,7 @@ impl Headless {
     ///
     /// An object that is still alive keeps the device alive; then one more message says so.
     pub fn finish(self) -> Vec<String> {
-        let Self { device, messages } = self;
+        let Self { device, messages, entry: _entry } = self;
         let others = device.owners() - 1;
         if others > 0 {
             messages.push(format!("device still in use by {others} owners: {:?}", device.live()));
@@ -192,7 +212,6 @@ impl OwnedInstance {
     }
 
     /// The function table, and what it was loaded from.
-    #[cfg(feature = "view")]
     pub(super) fn functions(&self) -> (&ash::Entry, &ash::Instance) {
         (&self.entry, &self.raw)
     }
@@ -245,8 +264,19 @@ impl Drop for OwnedDevice {
     }
 }
 
-fn open(instance: OwnedInstance, candidate: &Candidate, further: &[&'static CStr]) -> Result<Device> {
+fn open(
+    instance: OwnedInstance,
+    candidate: &Candidate,
+    performance_counters: bool,
+    further: &[&'static CStr],
+) -> Result<Device> {
     let &Candidate { physical_device, queue_family, ref caps } = candidate;
+    if performance_counters && !caps.performance_counters {
+        return Err(Error::unsupported(
+            format!("'{}' has no performance counters (VK_KHR_performance_query)", caps.name),
+            "use a device that has by 'ontile info', or do without --counters; some drivers must be told to have them (Mesa's Turnip by TU_DEBUG=perfc)",
+        ));
+    }
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&[1.0])];
     let features = vk::PhysicalDeviceFeatures::default()
@@ -283,8 +313,9 @@ fn open(instance: OwnedInstance, candidate: &Candidate, further: &[&'static CStr
     let rendering = rendering.iter().filter(|_| has_local_read);
     let feedback = [ext::subpass_merge_feedback::NAME, khr::create_renderpass2::NAME];
     let feedback = feedback.iter().filter(|_| caps.subpass_merge_feedback);
+    let counting = performance_counters.then_some(khr::performance_query::NAME);
     let mut extensions: Vec<_> =
-        order.iter().chain(rendering).chain(feedback).chain(further).copied().collect();
+        order.iter().chain(rendering).chain(feedback).chain(&counting).chain(further).copied().collect();
     extensions.sort();
     extensions.dedup();
     let extensions: Vec<_> = extensions.into_iter().map(|name| name.as_ptr()).collect();
@@ -308,6 +339,9 @@ fn open(instance: OwnedInstance, candidate: &Candidate, further: &[&'static CStr
         true => info.push_next(&mut merge_feedback),
         false => info,
     };
+    let mut counters =
+        vk::PhysicalDevicePerformanceQueryFeaturesKHR::default().performance_counter_query_pools(true);
+    let info = if performance_counters { info.push_next(&mut counters) } else { info };
     // SAFETY: the family exists, and the features are those that the device has.
     let raw = unsafe { instance.raw.create_device(physical_device, &info, None) }.called("vkCreateDevice")?;
     let host = HostDevice {
@@ -327,6 +361,7 @@ fn open(instance: OwnedInstance, candidate: &Candidate, further: &[&'static CStr
             ordered_attachment_access: order.is_some(),
             local_read: has_local_read,
             subpass_merge_feedback: caps.subpass_merge_feedback,
+            performance_counters,
             sample_rate_shading: caps.sample_rate_shading,
             depth_clamp: caps.depth_clamp,
             sampler_anisotropy: caps.max_sampler_anisotropy > 1.0,

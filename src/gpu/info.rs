@@ -1,7 +1,7 @@
 //! What devices there are, for people.
 
-use super::Caps;
-use super::headless::OwnedInstance;
+use super::headless::{Candidate, OwnedInstance};
+use super::{Caps, Counter, counters};
 use crate::Result;
 use std::fmt;
 
@@ -12,6 +12,44 @@ use std::fmt;
 pub fn devices() -> Result<Vec<Caps>> {
     let instance = OwnedInstance::new("ontile", false, &[])?;
     Ok(instance.candidates()?.into_iter().map(|c| c.caps).collect())
+}
+
+/// The same with the performance counters of each; empty where the device has none.
+///
+/// # Errors
+/// As [`devices`].
+pub fn devices_with_counters() -> Result<Vec<(Caps, Vec<Counter>)>> {
+    let owner = OwnedInstance::new("ontile", false, &[])?;
+    let (entry, instance) = owner.functions();
+    // SAFETY: the instance was made with this entry.
+    let calls = unsafe { counters::instance_calls(entry, instance) };
+    let with_counters = |candidate: Candidate| {
+        let Candidate { physical_device, queue_family, caps } = candidate;
+        let all = match caps.performance_counters {
+            // SAFETY: the functions are of this instance, and the device has the extension.
+            true => unsafe { counters::list(&calls, physical_device, queue_family) }?.0,
+            false => Vec::new(),
+        };
+        Ok((caps, all))
+    };
+    owner.candidates()?.into_iter().map(with_counters).collect()
+}
+
+impl fmt::Display for Counter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, category, description, unit, scope, .. } = self;
+        write!(f, "{name} ({category}; {unit}, per {})", scope.replace('_', " "))?;
+        if self.performance_impacting {
+            write!(f, ", slows down")?;
+        }
+        if self.concurrently_impacted {
+            write!(f, ", counts others too")?;
+        }
+        match description.is_empty() || description == name {
+            true => Ok(()),
+            false => write!(f, ": {description}"),
+        }
+    }
 }
 
 impl fmt::Display for Caps {
@@ -46,6 +84,7 @@ impl fmt::Display for Caps {
         writeln!(f, "  local read                  {}", yes(self.local_read))?;
         writeln!(f, "  rasterization-order access  {}", yes(self.rasterization_order_attachment_access))?;
         writeln!(f, "  subpass merge feedback      {}", yes(self.subpass_merge_feedback))?;
+        writeln!(f, "  performance counters        {}", yes(self.performance_counters))?;
         for (i, ty) in self.memory_types.iter().enumerate() {
             let mib = ty.heap_bytes >> 20;
             writeln!(

@@ -5,11 +5,11 @@ use std::time::Instant;
 use ash::vk;
 
 use super::{
-    Commands, Device, Image, ImageDesc, OutputImage, PipelineCache, QueryResults, Readback, Renderer,
-    RendererConfig, Target, View, conv,
+    Commands, CounterQuery, Counters, Device, Image, ImageDesc, OutputImage, PipelineCache, QueryResults,
+    Readback, Renderer, RendererConfig, Target, View, conv,
 };
 use crate::picture::{Picture, Pixels};
-use crate::plan::{DeviceFigures, Figure, Format, Plan, Report};
+use crate::plan::{CounterFigures, DeviceFigures, Figure, Format, Plan, Report};
 use crate::scene::{PreRotation, Scene};
 use crate::{Error, Result};
 
@@ -89,6 +89,43 @@ impl Offscreen {
             queries: renderer.query_results(0)?,
         });
         Ok(())
+    }
+
+    /// Counts a frame: renders it as often as it takes until all of these counters (indices into
+    /// [`Counters::all`]) have counted. Neither [`Self::picture`] nor what [`Self::render`] measures are touched; a
+    /// [`Self::report`] made afterwards is of the counted frame as far as it is of the last one's commands.
+    ///
+    /// # Errors
+    /// As [`CounterQuery::new`].
+    pub fn count(
+        &mut self,
+        view: &View<'_>,
+        counters: &Counters,
+        chosen: &[usize],
+    ) -> Result<CounterFigures> {
+        let Self { target, renderer, .. } = self;
+        let query = CounterQuery::new(counters, chosen)?;
+        // A query must not be reset in the command buffer that has it.
+        Commands::run(renderer.device(), "reset counters", |recorder| {
+            query.reset(recorder);
+            Ok(())
+        })?;
+        // The layer (1.4.309) takes the lock for lost in buffers that are older than it.
+        let mut commands = Commands::new(renderer.device(), "counted frame")?;
+        renderer.set_queries(false);
+        let counted = (0..query.passes()).try_for_each(|pass| {
+            commands.record(|recorder| {
+                query.begin(recorder);
+                renderer.record(recorder, 0, target, 0, view);
+                query.end(recorder);
+                Ok(())
+            })?;
+            let mut info = query.submit_info(pass);
+            commands.submit_as(vk::SubmitInfo::default().push_next(&mut info))?;
+            commands.wait()
+        });
+        renderer.set_queries(true);
+        counted.and_then(|()| query.results())
     }
 
     /// The last frame: 8 bits sRGB or linear floats, as the plan's output format is.
@@ -203,6 +240,7 @@ impl Offscreen {
             frame: self.renderer.recorded().counts,
             shadows: plan.shadow_map.is_some().then(|| self.renderer.recorded().shadows.figures()),
             lit_by_sample: None,
+            counters: None,
             frames: self.measured.len(),
             allocated_bytes: self.renderer.scene_bytes(),
             validation_messages: None,

@@ -88,6 +88,8 @@ pub struct Renderer {
     /// What frames on the GPU still use of earlier states of the scene.
     retired: Retired,
     queries: Arc<Queries>,
+    /// Whether these and `fragments` are recorded.
+    has_queries: bool,
     fragments: Option<FragmentQueries>,
     shadows: Option<Shadows>,
     /// `None` if the plan has none.
@@ -204,6 +206,7 @@ impl Renderer {
         Ok(Self {
             upload: Some(upload),
             queries,
+            has_queries: old.is_none_or(|old| old.has_queries),
             fragments: fragments.transpose()?,
             shadows,
             overlay,

@@ -62,9 +62,14 @@ unsafe extern "system" fn collect(
     vk::FALSE
 }
 
-/// Best practices advise against the very extensions that validating takes.
+/// Best practices advise against the very extensions that validating and counting take.
 fn is_about_ourselves(id: &str, message: &str) -> bool {
-    let ours = ["VK_EXT_debug_utils", "VK_EXT_validation_features", "VK_EXT_layer_settings"];
+    let ours = [
+        "VK_EXT_debug_utils",
+        "VK_EXT_validation_features",
+        "VK_EXT_layer_settings",
+        "VK_KHR_performance_query",
+    ];
     id.contains("specialuse-extension") && ours.iter().any(|extension| message.contains(extension))
 }
 

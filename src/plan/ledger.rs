@@ -185,6 +185,9 @@ pub struct DeviceFigures {
     /// The share of pixels that are lit sample by sample ([`super::Edges`]), counted by the GPU in another frame; `null` where all are
     /// or none, or where nobody counted.
     pub lit_by_sample: Option<Figure>,
+    /// What performance counters counted in another frame of the last view; left out where none was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counters: Option<super::CounterFigures>,
     /// Frames rendered.
     pub frames: usize,
     /// Bytes of device memory that the renderer allocated, transient attachments excluded.

@@ -105,6 +105,7 @@ impl Frames {
             device_name_part: viewer.device.clone(),
             validate: viewer.validate,
             application_name: "ontile".into(),
+            ..HeadlessOptions::default()
         };
         let host = WindowHost::new(&options, &window)?;
         let cache = PipelineCache::load(host.device())?;

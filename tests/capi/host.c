@@ -286,6 +286,7 @@ static void draw(OntileDevice *ontile, OntileWorld *world, const OntileCamera *c
             check(!updated.new_targets && !updated.new_objects, "moving makes nothing");
             ON(ontile_world_clear_changes(world));
         }
+        ON(ontile_renderer_set_queries(renderer, frame == 0));
         check(ontile_renderer_record(renderer, commands[frame], FRAMES, target, 0, camera, 0) ==
                   ONTILE_RESULT_ERROR_ARGUMENT, "a slot beyond the last");
         ON(ontile_renderer_record(renderer, commands[frame], frame, target, 0, camera, 0));

@@ -40,6 +40,7 @@ fn run(name_part: Option<&str>, validate: bool, test: impl FnOnce(&Gpu<'_>)) -> 
         device_name_part: name_part.map(str::to_owned),
         validate,
         application_name: "ontile tests".into(),
+        ..HeadlessOptions::default()
     };
     let host = match Headless::new(&options) {
         Ok(host) => host,

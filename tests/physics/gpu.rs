@@ -92,7 +92,7 @@ impl Gpu {
     /// Says "ignored" and returns `None` where there is no device.
     pub fn open() -> Option<Self> {
         let options =
-            HeadlessOptions { device_name_part: None, validate: true, application_name: "physics".into() };
+            HeadlessOptions { validate: true, application_name: "physics".into(), ..Default::default() };
         match Headless::new(&options) {
             Ok(host) => {
                 let cache = PipelineCache::new(host.device(), &[]).expect("an empty cache can be made");

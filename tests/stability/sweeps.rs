@@ -13,6 +13,7 @@ fn run(name: &str) -> Option<Findings> {
             device_name_part: None,
             validate: true,
             application_name: "ontile tests".into(),
+            ..HeadlessOptions::default()
         };
         match Bench::open(&options) {
             Ok(bench) => Some(bench),

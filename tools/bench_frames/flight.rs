@@ -75,6 +75,7 @@ pub fn run(args: &Flight) -> Result<()> {
         device_name_part: Some(args.device.clone()),
         validate: false,
         application_name: "ontile bench".into(),
+        ..HeadlessOptions::default()
     })?;
     let device = headless.device();
     let mut camera = scene.camera(&args.camera)?.clone();

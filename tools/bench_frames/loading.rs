@@ -55,6 +55,7 @@ pub fn once(file: &Path, size: [u32; 2], device: Option<String>) -> Result<Once>
         device_name_part: device,
         validate: false,
         application_name: "ontile bench".into(),
+        ..HeadlessOptions::default()
     })?;
     let device = headless.device();
     let device_ms = lap_ms();

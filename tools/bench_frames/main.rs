@@ -101,6 +101,7 @@ pub fn run(args: &Args) -> Result<()> {
         device_name_part: Some(args.device.clone()),
         validate: false,
         application_name: "ontile bench".into(),
+        ..HeadlessOptions::default()
     })?;
     let device = headless.device();
     let (name, driver) = (device.caps().name.clone(), device.caps().driver.clone());

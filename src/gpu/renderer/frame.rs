@@ -66,9 +66,11 @@ impl Renderer {
         let seen =
             self.scene.write_frame(slot, view, &self.plan, (size, target.pre_rotation()), cull, scattered);
         let _label = recorder.label("ontile frame");
-        self.queries.reset(recorder, slot as u32);
-        self.queries.begin_statistics(recorder, slot as u32);
-        self.queries.timestamp(recorder, slot as u32, 0, vk::PipelineStageFlags::TOP_OF_PIPE);
+        if let Some(queries) = self.queries() {
+            queries.reset(recorder, slot as u32);
+            queries.begin_statistics(recorder, slot as u32);
+            queries.timestamp(recorder, slot as u32, 0, vk::PipelineStageFlags::TOP_OF_PIPE);
+        }
         let aspect = f64::from(width) / f64::from(height);
         if let Some(post) = target.post() {
             post.prepare(recorder, &self.plan);
@@ -78,7 +80,7 @@ impl Renderer {
         let shadows = self.shadows.as_mut().map(|s| s.record(recorder, slot, view, aspect, &self.scene));
         let shadows = shadows.unwrap_or_default();
         let counts = FrameCounts { objects: seen.objects, lights: seen.lights, ..FrameCounts::default() };
-        let mut fragments = self.fragments.take();
+        let mut fragments = self.fragments.take_if(|_| self.has_queries);
         fragments.iter_mut().for_each(|fragments| fragments.reset(recorder, slot));
         let mut frame = Frame {
             renderer: self,
@@ -93,7 +95,7 @@ impl Renderer {
         };
         frame.record();
         let Frame { counts, fragments, .. } = frame;
-        self.fragments = fragments;
+        self.fragments = fragments.or(self.fragments.take());
         self.recorded = Recorded { counts, light_lists: seen.light_lists, shadows };
     }
 }

@@ -38,7 +38,8 @@ struct Bound {
 
 impl Frame<'_> {
     pub(super) fn record(&mut self) {
-        let Renderer { plan, passes, config, queries, .. } = self.renderer;
+        let Renderer { plan, passes, config, .. } = self.renderer;
+        let queries = self.renderer.queries();
         let (recorder, slot) = (self.recorder, self.slot as u32);
         let stages = plan.stage_count();
         let mut stage = 0;
@@ -54,7 +55,7 @@ impl Frame<'_> {
                 if stage == stages {
                     self.draw_overlay();
                 }
-                if config.stage_timestamps && stage < stages {
+                if let Some(queries) = queries.filter(|_| config.stage_timestamps && stage < stages) {
                     let index = stage as u32;
                     queries.timestamp(recorder, slot, index, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
                 }
@@ -63,8 +64,10 @@ impl Frame<'_> {
         }
         self.record_post();
         let last = if config.stage_timestamps { stages } else { 1 };
-        queries.timestamp(recorder, slot, last as u32, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
-        queries.end_statistics(recorder, slot);
+        if let Some(queries) = queries {
+            queries.timestamp(recorder, slot, last as u32, vk::PipelineStageFlags::BOTTOM_OF_PIPE);
+            queries.end_statistics(recorder, slot);
+        }
     }
 
     /// Begins a pass over the frame's part of the picture, with a viewport of the whole.

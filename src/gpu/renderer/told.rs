@@ -2,9 +2,22 @@
 
 use super::Renderer;
 use crate::Result;
-use crate::gpu::{DrawCount, QueryResults};
+use crate::gpu::{DrawCount, Queries, QueryResults};
 
 impl Renderer {
+    /// Whether frames recorded from now on have queries of their own: timestamps, statistics, counted fragments. At first they have; without, what
+    /// a slot's queries say is that of the frame before.
+    ///
+    /// Frames under a [`CounterQuery`](crate::gpu::CounterQuery) want none: they would be counted too, and the validation layer (seen up to 1.4.363)
+    /// takes the index of the counters' pass for one of theirs and writes where it should not.
+    pub fn set_queries(&mut self, are_recorded: bool) {
+        self.has_queries = are_recorded;
+    }
+
+    pub(super) fn queries(&self) -> Option<&Queries> {
+        self.has_queries.then_some(&*self.queries)
+    }
+
     /// Timestamps and statistics of a frame slot that the GPU has finished: nanoseconds since the frame's begin after
     /// each stage (with [`RendererConfig::stage_timestamps`](super::RendererConfig::stage_timestamps)) and at its end.
     ///

@@ -92,6 +92,7 @@ fn measure_all(args: &Compare) -> Result<()> {
         device_name_part: Some(args.device.clone()),
         validate: false,
         application_name: "ontile bench".into(),
+        ..HeadlessOptions::default()
     })?;
     let device = headless.device();
     let caps = device.caps();
