@@ -18,7 +18,7 @@ pub enum Error {
         remedy: String,
     },
     /// A file cannot be read or written.
-    #[error("{}: cannot {action}: {source}", path.display())]
+    #[error("{}: cannot {action}: {source}{}", path.display(), io_remedy(action, source))]
     Io {
         /// The file.
         path: PathBuf,
@@ -75,6 +75,25 @@ impl Error {
     }
 }
 
+/// What to do about the operating system's reasons; those that this crate gives say it themselves.
+fn io_remedy(action: &str, source: &std::io::Error) -> &'static str {
+    use std::io::ErrorKind as K;
+    if source.get_ref().is_some() {
+        return "";
+    }
+    match (source.kind(), action) {
+        (K::NotFound, "read") => "; name a file that is there",
+        (K::NotFound, _) => "; make its folder first",
+        (K::PermissionDenied, "read") => "; name a file that you may read",
+        (K::PermissionDenied | K::ReadOnlyFilesystem, _) => "; name a place that you may write to",
+        (K::AlreadyExists, _) => "; a file has that name: name another place",
+        (K::NotADirectory, _) => "; a part of its path is a file: correct the path",
+        (K::IsADirectory, _) => "; it is a folder: name a file",
+        (K::StorageFull | K::QuotaExceeded, _) => "; make room there, or write elsewhere",
+        _ => "",
+    }
+}
+
 fn vulkan_remedy(result: ash::vk::Result) -> &'static str {
     use ash::vk::Result as R;
     match result {
@@ -88,5 +107,34 @@ fn vulkan_remedy(result: ash::vk::Result) -> &'static str {
             "; install the validation layer (on Debian: apt-get install vulkan-validationlayers)"
         }
         _ => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Error as IoError;
+
+    #[test]
+    fn what_the_system_refuses_comes_with_a_remedy() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = folder.path();
+        std::fs::write(at.join("file"), "").unwrap();
+        let of = |action, source: IoError| Error::io(Path::new("a"), action, source).to_string();
+        for (error, remedy) in [
+            (of("read", std::fs::read(at.join("absent")).unwrap_err()), "; name a file that is there"),
+            (of("write", std::fs::write(at.join("absent/a"), "").unwrap_err()), "; make its folder first"),
+            (of("create", std::fs::create_dir(at.join("file")).unwrap_err()), "name another place"),
+            (of("read", std::fs::read(at.join("file/a")).unwrap_err()), "correct the path"),
+            (of("write", std::io::ErrorKind::StorageFull.into()), "; make room there, or write elsewhere"),
+            (
+                of("write", std::io::ErrorKind::PermissionDenied.into()),
+                "; name a place that you may write to",
+            ),
+        ] {
+            assert!(error.starts_with("a: cannot ") && error.ends_with(remedy), "{error}");
+        }
+        let own = of("write", IoError::new(std::io::ErrorKind::NotFound, "its folder is gone; make it"));
+        assert!(own.ends_with("its folder is gone; make it"), "{own}");
     }
 }

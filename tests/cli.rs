@@ -231,6 +231,11 @@ fn flags_without_effect_are_told() {
             &["--no-illumination-sets"],
             "--no-illumination-sets is without effect: the path is not forward-multipass",
         ),
+        (&["--bloom-radius", "0.3"], "--bloom-strength or --bloom-radius is without effect: --bloom is off"),
+        (
+            &["--resolve", "plain"],
+            "--edges or --resolve is without effect: a pixel has one sample (--samples)",
+        ),
     ] {
         let output = ontile(folder.path(), &[&["plan", GRID], flags].concat());
         let err = String::from_utf8(output.stderr).unwrap();
@@ -239,6 +244,8 @@ fn flags_without_effect_are_told() {
     // `expect` wants no word on standard error.
     expect(folder.path(), 0, &["plan", GRID, "--environment-format", "rgbm", "--environment", "sky.exr"]);
     expect(folder.path(), 0, &["plan", GRID, "--no-illumination-sets", "--path", "forward-multipass"]);
+    expect(folder.path(), 0, &["plan", GRID, "--bloom", "previous", "--bloom-radius", "0.3"]);
+    expect(folder.path(), 0, &["plan", GRID, "--samples", "4", "--resolve", "plain"]);
 }
 
 #[test]

@@ -577,8 +577,10 @@ enum OntileResult ontile_world_animate(struct OntileWorld *world,
 enum OntileResult ontile_options_create(struct OntileOptions **options);
 
 /// Sets an option by its name on the command line of the program `ontile`, e.g. "layout" to "packed128", "samples" to "4", "size" to
-/// "1280x720". What is on or off takes "true" or "false"; what may be left open takes "auto". The message of an error lists the
-/// names, or the values, that there are.
+/// "1280x720". Of the host's images it wants to know "output" ("rgba8_srgb", "bgra8_srgb", "rgba16_float", "rgba32_float"), "output-use"
+/// ("copy", "present", "sample", "draw") and "output-is-input-attachment" (whether they have that usage). What is on or off takes "true" or
+/// "false"; what may be left open takes "auto". The message of an error lists the names, or the values, that there are. Whether values
+/// go together, and with the device, is told by ontile_renderer_create.
 enum OntileResult ontile_options_set(struct OntileOptions *options,
                                      const char *name,
                                      const char *value);

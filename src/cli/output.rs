@@ -10,7 +10,7 @@ use ontile::{Error, Result};
 pub fn check(path: &Path, others: &[&Path]) -> Result<()> {
     let refused = |kind, why: &str| Err(Error::io(path, "write", IoError::new(kind, why)));
     if !folder(path).is_dir() {
-        return refused(ErrorKind::NotFound, "its folder does not exist");
+        return refused(ErrorKind::NotFound, "its folder does not exist; make it first");
     }
     if path.is_dir() {
         return refused(ErrorKind::IsADirectory, "it is a folder; name a file");

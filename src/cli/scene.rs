@@ -2,7 +2,7 @@
 
 use ontile::environment::{Cache, DEFAULT_FACE_SIZE, TexelFormat};
 use ontile::glam::Vec3;
-use ontile::plan::{GBuffer, Path};
+use ontile::plan::{BloomWay, GBuffer, Options, Path};
 use ontile::scene::{Background, Camera, Environment, Fog, Play, Scene};
 use ontile::{Error, Result};
 
@@ -120,6 +120,7 @@ pub fn read_environment(scene: &mut Scene, args: &FarArgs) -> Result<()> {
 
 /// Tells of flags for things that the scene and the path have not.
 pub fn tell_idle_flags(scene: &Scene, args: &PlanArgs) {
+    let default = Options::default();
     let idle = [
         (
             args.environment_format.is_some() && scene.environments().next().is_none(),
@@ -135,6 +136,17 @@ pub fn tell_idle_flags(scene: &Scene, args: &PlanArgs) {
             args.no_illumination_sets && args.path != Path::ForwardMultipass,
             "--no-illumination-sets",
             "the path is not forward-multipass",
+        ),
+        (
+            args.bloom == BloomWay::Off
+                && [args.bloom_strength, args.bloom_radius] != [default.bloom_strength, default.bloom_radius],
+            "--bloom-strength or --bloom-radius",
+            "--bloom is off",
+        ),
+        (
+            args.samples == 1 && (args.edges, args.resolve) != (default.edges, default.resolve),
+            "--edges or --resolve",
+            "a pixel has one sample (--samples)",
         ),
     ];
     for (_, flag, why) in idle.iter().filter(|(is_idle, ..)| *is_idle) {

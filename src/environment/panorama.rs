@@ -79,7 +79,8 @@ impl Panorama {
         match reader.format() {
             Some(ImageFormat::Hdr | ImageFormat::OpenExr) => {}
             Some(other) => {
-                let problem = format!("is {other:?}, whose channels cannot hold radiance");
+                let name = format!("{other:?}").to_uppercase();
+                let problem = format!("is {name}, whose channels cannot hold radiance");
                 return Err(bad("environment", problem, MAKE_IT_HDR));
             }
             None => {

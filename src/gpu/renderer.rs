@@ -188,7 +188,8 @@ impl Renderer {
         )?;
         let shadows = map.zip(resources).map(|(map, resources)| {
             let most = config.shadow_tiles_per_frame;
-            Shadows::new(device, scene, (&plan, map), (resources, &data), most, cache)
+            let old = old.and_then(|old| old.shadows.as_ref());
+            Shadows::new(device, scene, (&plan, map), (resources, &data), most, (cache, old))
         });
         let shadows = shadows.transpose()?;
         let drawn_over = plan.pipelines.iter().position(|(_, p)| *p == Pipeline::Overlay);

@@ -2,6 +2,7 @@
 
 use std::fmt::{Display, Formatter, Result};
 
+use super::needs::element;
 use super::{Load, Pass, Path, Plan, Store, Strategy, Transition, stage, verdicts};
 use crate::visible::ShadowShape;
 
@@ -120,8 +121,8 @@ impl Plan {
             let bytes: u64 = light.tiles.clone().map(|tile| map.tile_bytes(tile)).sum();
             writeln!(
                 f,
-                "  light '{}': {} of {side}x{side}, {bytes} bytes stored when drawn",
-                light.name,
+                "  {}: {} of {side}x{side}, {bytes} bytes stored when drawn",
+                element("light", &light.name, light.light),
                 match light.shape {
                     ShadowShape::Cascades => count(light.tiles.len(), "cascade", "s"),
                     ShadowShape::Slab => "1 parallel view".into(),

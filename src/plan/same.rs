@@ -1,6 +1,7 @@
 //! What plans of two states of a scene have in common.
 
-use super::{Attachment, Needs, Pass, Plan};
+use super::{AroundImage, Attachment, Needs, Pass, Plan, ShadowNeeds};
+use crate::visible::ShadowShape;
 
 impl Plan {
     /// Whether render passes, attachments and the passes after them serve both plans: reasons aside, they are the same.
@@ -11,14 +12,28 @@ impl Plan {
 
     /// Whether all pipelines serve both plans: what differs are reasons, and how often there is what there is.
     pub(crate) fn shares_pipelines(&self, other: &Self) -> bool {
-        self.bare() == other.bare()
+        (self.bare(), self.mapped_shapes()) == (other.bare(), other.mapped_shapes())
+    }
+
+    /// All that pipelines know of the shadow map; those that draw it are not among them.
+    fn mapped_shapes(&self) -> Option<[bool; 4]> {
+        let map = self.shadow_map.as_ref()?;
+        let has = |shape| map.lights.iter().any(|light| light.shape == shape);
+        Some([ShadowShape::Cascades, ShadowShape::Slab, ShadowShape::Cone, ShadowShape::Cube].map(has))
     }
 
     fn bare(&self) -> Self {
+        let mut needs = bare_needs(&self.needs);
+        // Of shadows, pipelines look at the kinds of lights that have volumes.
+        if self.volume_lights.is_empty() {
+            needs.shadows = ShadowNeeds::default();
+        }
         Self {
-            needs: bare_needs(&self.needs),
+            needs,
             attachments: bare_attachments(&self.attachments),
             passes: bare_passes(&self.passes),
+            shadow_map: None,
+            around: self.around.iter().map(|a| AroundImage { why: String::new(), ..a.clone() }).collect(),
             notes: Vec::new(),
             warnings: Vec::new(),
             ..self.clone()
@@ -47,14 +62,26 @@ fn bare_needs(needs: &Needs) -> Needs {
         decals.decals = decals.decals.min(1);
         decals.why.clear();
     }
-    for name in
-        [&mut bare.lit, &mut bare.lit_opaque, &mut bare.blended, &mut bare.transmits, &mut bare.refracts]
-            .into_iter()
-            .flatten()
+    for name in [
+        &mut bare.lit,
+        &mut bare.lit_opaque,
+        &mut bare.blended,
+        &mut bare.transmits,
+        &mut bare.refracts,
+        &mut bare.occlusion,
+    ]
+    .into_iter()
+    .flatten()
     {
         name.clear();
     }
     bare.prelit.clear();
+    bare.shadows.lights.iter_mut().for_each(|light| light.name.clear());
+    bare.environment.iter_mut().chain(&mut bare.probes).for_each(|environment| environment.name.clear());
+    bare.particles.iter_mut().for_each(|particles| {
+        particles.why.clear();
+        particles.particles = particles.particles.min(1);
+    });
     for count in [
         &mut bare.directional_lights,
         &mut bare.point_lights,

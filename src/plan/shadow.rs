@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
+use super::needs::element;
 use super::{Format, Limits, Options, SceneKinds, ShadowFormat, SurfaceKind};
 use crate::scene::{AlphaMode, Instance, Light, LightKind, Material, Scene, Shadow};
 use crate::visible::{MOST_CASCADES, Reach, ShadowShape, TileSize};
@@ -273,11 +274,13 @@ impl ShadowMap {
         for (need, (wanted, granted)) in needs.lights.iter().zip(wanted.iter().zip(&granted)) {
             let map = format!("the shadow map of {most}x{most} texels is full");
             if granted.views == 0 {
-                warnings.push(format!("{map}: light '{}' casts no shadow", need.name));
+                warnings.push(format!("{map}: {} casts no shadow", element("light", &need.name, need.light)));
             } else if granted.texels < wanted.texels {
                 notes.push(format!(
-                    "{map}: light '{}' has tiles of {} texels instead of {}",
-                    need.name, granted.texels, wanted.texels
+                    "{map}: {} has tiles of {} texels instead of {}",
+                    element("light", &need.name, need.light),
+                    granted.texels,
+                    wanted.texels
                 ));
             }
         }

@@ -6,6 +6,7 @@
 
 use super::check::check_light;
 use super::layout::GBuffer;
+use super::needs::element;
 use super::{LightWay, Limits, Needs, Options, Path};
 use crate::{Error, Result};
 
@@ -61,7 +62,8 @@ pub(super) fn resolve(
         let is_volume = asks && refused.is_none();
         found.lights.extend(is_volume.then_some(need.light));
         let has = if is_volume { "counts its shadow as volumes" } else { "keeps its shadow map" };
-        found.notes.push(format!("light '{}' {has}: {}", need.name, refused.unwrap_or(why)));
+        let light = element("light", &need.name, need.light);
+        found.notes.push(format!("{light} {has}: {}", refused.unwrap_or(why)));
     }
     if !found.lights.is_empty() {
         let lights = match found.lights.len() {

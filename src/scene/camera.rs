@@ -1,6 +1,6 @@
 //! View points and projections.
 
-use glam::{DMat3, DMat4, Mat4};
+use glam::{DMat3, DMat4, Mat4, Vec3};
 
 /// A view point.
 #[derive(Clone, Debug)]
@@ -36,6 +36,27 @@ pub enum Projection {
         /// Distance of the far plane, metres, above `znear_m`.
         zfar_m: f32,
     },
+}
+
+impl Camera {
+    /// One at `eye` that looks at `target`, both in world space, with world +Y up; straight up or down, world -Z is up.
+    ///
+    /// ```
+    /// use ontile::glam::Vec3;
+    /// use ontile::scene::{Camera, Projection};
+    ///
+    /// let projection = Projection::Perspective { yfov_rad: 0.9, znear_m: 0.1, zfar_m: None };
+    /// let camera = Camera::new(Vec3::new(0.0, 2.0, 5.0), Vec3::ZERO, projection);
+    /// assert_eq!(camera.world_from_view.w_axis.truncate(), Vec3::new(0.0, 2.0, 5.0));
+    /// ```
+    pub fn new(eye: Vec3, target: Vec3, projection: Projection) -> Self {
+        let backward = (eye - target).normalize_or(Vec3::Z);
+        let up = if backward.y.abs() > 0.999_999 { Vec3::NEG_Z } else { Vec3::Y };
+        let right = up.cross(backward).normalize();
+        let axes = [right, backward.cross(right), backward].map(|axis| axis.extend(0.0));
+        let world_from_view = Mat4::from_cols(axes[0], axes[1], axes[2], eye.extend(1.0));
+        Self { name: "camera".into(), world_from_view, projection }
+    }
 }
 
 impl Projection {
@@ -118,7 +139,22 @@ pub(super) fn rigid(world_from_node: &DMat4) -> Option<Mat4> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
+
+    #[test]
+    fn cameras_look_at_their_targets() {
+        let projection = Projection::Perspective { yfov_rad: 1.0, znear_m: 0.1, zfar_m: None };
+        let eye = Vec3::new(1.0, 2.0, 3.0);
+        for to in [Vec3::ZERO, eye + Vec3::Y, eye - Vec3::Y * 9.0, Vec3::new(-4.0, 2.0, 3.0)] {
+            let world = Camera::new(eye, to, projection).world_from_view;
+            let seen = world.inverse().transform_point3(to);
+            assert!(
+                seen.truncate().length() < 1e-5 && (seen.z + to.distance(eye)).abs() < 1e-5,
+                "{to}: {seen}"
+            );
+            assert!((world.determinant() - 1.0).abs() < 1e-5 && world.y_axis.y >= -1e-6, "{to}: {world}");
+        }
+        assert!(Camera::new(eye, eye, projection).world_from_view.is_finite());
+    }
 
     #[test]
     fn depth_and_distance_invert_each_other() {

@@ -153,7 +153,7 @@ impl Viewer {
 fn no_window(error: &dyn std::error::Error) -> Error {
     // Before the reason winit says where in its source it is.
     let told = error.to_string();
-    let reason = told.rsplit(": ").next().unwrap_or(&told);
+    let reason = told.rsplit(": ").next().unwrap_or(&told).trim_end_matches('.');
     Error::unsupported(
         format!("no window can be opened: {reason}"),
         "run in a desktop session (X11 or Wayland), or use 'ontile render'",

@@ -40,7 +40,7 @@ fn at(x: f32, y: f32, z: f32) -> Mat4 {
 
 type Step = (&'static str, Makes, fn(&mut World, &mut Named));
 
-const STEPS: [Step; 17] = [
+const STEPS: [Step; 20] = [
     ("nothing", Makes::Nothing, |_, _| ()),
     ("an instance moves", Makes::Nothing, |world, _| {
         let id = world.ids::<Instance>().nth(1).unwrap();
@@ -113,6 +113,24 @@ const STEPS: [Step; 17] = [
         let id = world.ids::<Light>().last().unwrap();
         let sun = Light { shadow: Some(Shadow::default()), ..world.get(id).unwrap().clone() };
         world.set(id, sun).unwrap();
+    }),
+    ("another sun casts some too", Makes::Objects, |world, _| {
+        let sun = Light {
+            shadow: Some(Shadow::default()),
+            ..Light::new(LightKind::Directional { illuminance_lx: 0.7 })
+        };
+        world.add(sun.towards(vec3(-0.5, 0.3, -1.0))).unwrap();
+    }),
+    ("it gets a name and another colour", Makes::Nothing, |world, _| {
+        let id = world.ids::<Light>().last().unwrap();
+        let sun = Light { name: "sun".into(), color: vec3(1.0, 0.5, 0.5), ..world.get(id).unwrap().clone() };
+        world.set(id, sun).unwrap();
+    }),
+    ("a material gets a name and another colour", Makes::Objects, |world, _| {
+        let id = world.ids::<Material>().next().unwrap();
+        let base_color_factor = Vec4::new(0.9, 0.6, 0.1, 1.0);
+        let material = Material { name: "brass".into(), base_color_factor, ..world.get(id).unwrap().clone() };
+        world.set(id, material).unwrap();
     }),
     ("glass comes", Makes::Targets, |world, _| {
         let glass = Material {

@@ -46,9 +46,13 @@ impl Renderer {
         };
         check_formats(&self.device, &plan)?;
         let next = Self::with(&self.device, scene, plan, self.config, &self.cache, Some((&*self, changes)))?;
+        let same_casters = match (&next.shadows, &self.shadows) {
+            (Some(next), Some(old)) => next.shares_pipelines(old),
+            (next, _) => next.is_none(),
+        };
         let updated = Updated {
             new_targets: !std::sync::Arc::ptr_eq(&next.passes, &self.passes),
-            new_pipelines: !std::sync::Arc::ptr_eq(&next.pipelines, &self.pipelines),
+            new_pipelines: !std::sync::Arc::ptr_eq(&next.pipelines, &self.pipelines) || !same_casters,
             new_objects: true,
         };
         let mut old = std::mem::replace(self, next);

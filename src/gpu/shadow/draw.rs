@@ -172,7 +172,8 @@ impl Shadows {
 
     fn bind_instances(&self, recorder: &Recorder<'_>, slot: usize) {
         let (device, raw) = (recorder.device().raw(), recorder.raw());
-        let (point, layout) = (vk::PipelineBindPoint::GRAPHICS, self.pipelines.layouts[0].layout.raw());
+        let (point, layout) =
+            (vk::PipelineBindPoint::GRAPHICS, self.pipelines.casters.layouts[0].layout.raw());
         // SAFETY: recording; the set was allocated with the layout's first set layout, which all caster layouts share.
         unsafe {
             device.cmd_bind_descriptor_sets(raw, point, layout, 0, &[self.instance_sets.raw(slot)], &[])
@@ -201,7 +202,7 @@ impl Shadows {
             max_depth: 1.0,
         };
         let info = vk::RenderPassBeginInfo::default()
-            .render_pass(self.pass.raw())
+            .render_pass(self.pipelines.pass.raw())
             .framebuffer(target.framebuffer.raw())
             .render_area(target.area);
         let push = ShadowPush {
@@ -226,11 +227,11 @@ impl Shadows {
             }
             // SAFETY: the pipeline was made for this pass; the triangle reads no vertices and no descriptors.
             None => unsafe {
-                device.cmd_bind_pipeline(raw, point, self.pipelines.clear.raw());
+                device.cmd_bind_pipeline(raw, point, self.pipelines.casters.clear.raw());
                 device.cmd_draw(raw, 3, 1, 0, 0);
             },
         }
-        let (layout, stages) = (self.pipelines.layouts[0].layout.raw(), vk::ShaderStageFlags::VERTEX);
+        let (layout, stages) = (self.pipelines.casters.layouts[0].layout.raw(), vk::ShaderStageFlags::VERTEX);
         // SAFETY: recording; all casters' layouts have the same push constants.
         unsafe { device.cmd_push_constants(raw, layout, stages, 0, bytemuck::bytes_of(&push)) };
         bound.pipeline = None;
@@ -276,13 +277,15 @@ impl Shadows {
         let point = vk::PipelineBindPoint::GRAPHICS;
         if bound.pipeline != Some(batch.pipeline) {
             // SAFETY: the pipeline was made for this pass.
-            unsafe { device.cmd_bind_pipeline(raw, point, self.pipelines.pipelines[batch.pipeline].raw()) };
+            unsafe {
+                device.cmd_bind_pipeline(raw, point, self.pipelines.casters.pipelines[batch.pipeline].raw())
+            };
             bound.pipeline = Some(batch.pipeline);
         }
         if let (Some(set), Some(sets)) = (self.material_set_of[index], &self.material_sets)
             && bound.material != Some(set)
         {
-            let layout = self.pipelines.layouts[batch.pipeline].layout.raw();
+            let layout = self.pipelines.casters.layouts[batch.pipeline].layout.raw();
             // SAFETY: the set was allocated with this layout's second set layout.
             unsafe { device.cmd_bind_descriptor_sets(raw, point, layout, 1, &[sets.raw(set)], &[]) };
             bound.material = Some(set);

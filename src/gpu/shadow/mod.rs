@@ -12,6 +12,8 @@ mod pipelines;
 mod static_map;
 mod tiles;
 
+use std::sync::Arc;
+
 use ash::vk;
 use glam::Mat4;
 
@@ -31,7 +33,7 @@ use crate::{Error, Result};
 use crate::{scene::Camera, visible::ShadowView};
 use casters::{Batch, Casters};
 use lights::LightViews;
-use pipelines::{Builder, CasterPipelines, tile_pass};
+use pipelines::{CasterPipelines, TilePipelines};
 pub(super) use pipelines::{caster_bindings, caster_input, caster_modules};
 use static_map::StaticMap;
 use tiles::{Moves, Tiles};
@@ -153,10 +155,9 @@ pub(super) struct Shadows {
     // In order of destruction.
     instance_sets: DescriptorSets,
     material_sets: Option<DescriptorSets>,
-    pipelines: CasterPipelines,
     static_map: Option<StaticMap>,
     framebuffer: Owned<vk::Framebuffer>,
-    pass: Owned<vk::RenderPass>,
+    pipelines: Arc<TilePipelines>,
     /// What areas of the pass are best multiples of, texels.
     granularity: [u32; 2],
     /// One a frame slot, with the moves that it knows of.
@@ -185,22 +186,23 @@ impl Shadows {
         (plan, map): (&Plan, &ShadowMap),
         (resources, data): (ShadowResources, &SceneData),
         most_tiles: usize,
-        cache: &PipelineCache,
+        (cache, old): (&PipelineCache, Option<&Self>),
     ) -> Result<Self> {
-        let pass = tile_pass(device, conv::format(map.format))?;
+        let pipelines = match old.filter(|old| TilePipelines::serve(&old.map, map)) {
+            Some(old) => Arc::clone(&old.pipelines),
+            None => Arc::new(TilePipelines::new(device, map, cache)?),
+        };
         // SAFETY: the pass is alive.
-        let granularity = unsafe { device.raw().get_render_area_granularity(pass.raw()) };
-        let builder = Builder { device, pass: &pass, cache };
-        let pipelines = CasterPipelines::new(map, &builder)?;
-        let static_map = map.has_static_map.then(|| StaticMap::new(device, map, &builder)).transpose()?;
-        let framebuffer = builder.framebuffer(&resources.image, map.size)?;
+        let granularity = unsafe { device.raw().get_render_area_granularity(pipelines.pass.raw()) };
+        let static_map = StaticMap::new(device, map, &pipelines)?;
+        let framebuffer = pipelines.framebuffer(device, &resources.image, map.size)?;
         let casters = Casters::new(scene, map);
         let bytes = (casters.count() * size_of::<InstanceData>()) as u64;
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let buffer =
             |_| Buffer::new(device, &BufferDesc { name: "casters", bytes, usage, memory: MemoryUse::Upload });
         let instances: Vec<_> = (0..resources.views.len()).map(buffer).collect::<Result<_>>()?;
-        let first = &pipelines.layouts[0];
+        let first = &pipelines.casters.layouts[0];
         let wanted = vec![(first.sets[0].raw(), first.bindings[0].as_slice()); instances.len()];
         let instance_sets =
             DescriptorSets::new(device, &wanted, "shadow casters")?.expect("there is a slot at least");
@@ -210,15 +212,14 @@ impl Shadows {
             instance_sets.write(slot, binding, vk::DescriptorType::STORAGE_BUFFER, &content);
         }
         let (material_sets, material_set_of) =
-            material_sets(device, scene, &pipelines, &casters.batches, data)?;
+            material_sets(device, scene, &pipelines.casters, &casters.batches, data)?;
         let bounds_world = lit_bounds(scene).expect("shadows are planned only where something is lit");
         Ok(Self {
             instance_sets,
             material_sets,
-            pipelines,
             static_map,
             framebuffer,
-            pass,
+            pipelines,
             granularity: [granularity.width, granularity.height],
             instances: instances.into_iter().map(|buffer| (buffer, None)).collect(),
             resources,
@@ -307,6 +308,11 @@ impl Shadows {
         self.in_use.then_some(&self.resources.image)
     }
 
+    /// Whether both are drawn with the same pipelines.
+    pub(super) fn shares_pipelines(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.pipelines, &other.pipelines)
+    }
+
     /// Device memory of the map and of what it is drawn with.
     pub(super) fn allocated_bytes(&self) -> u64 {
         self.resources.allocated_bytes()
@@ -322,10 +328,7 @@ pub(super) fn caster_count(scene: &Scene, map: &ShadowMap) -> usize {
 
 /// Compiles the pipelines that a map is drawn with.
 pub(super) fn prepare_casters(device: &Device, map: &ShadowMap, cache: &PipelineCache) -> Result<()> {
-    let pass = tile_pass(device, conv::format(map.format))?;
-    let builder = Builder { device, pass: &pass, cache };
-    CasterPipelines::new(map, &builder)?;
-    map.has_static_map.then(|| StaticMap::new(device, map, &builder)).transpose().map(drop)
+    TilePipelines::new(device, map, cache).map(drop)
 }
 
 /// Positions, texture coordinates, colours.

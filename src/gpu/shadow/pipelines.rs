@@ -8,7 +8,8 @@ use super::super::shader::{
     AttachmentPlaces, GeometryConstants, Module, Specialization, TextureSlot, shared,
 };
 use super::super::shared::ShadowPush;
-use super::super::{Called, Device, Image, Owned, PipelineCache, texel_bytes};
+use super::super::{Called, Device, Image, Owned, PipelineCache, conv, texel_bytes};
+use super::static_map::Compose;
 use crate::Result;
 use crate::plan::{CasterKind, CasterMask, ShadowMap};
 
@@ -21,7 +22,7 @@ pub(super) const CONSTANT_BIAS: f32 = 2.0;
 ///
 /// A triangle clears the tile. The pass could do it, but then an image of several tiles is cleared several times in a row, in
 /// which the checks of Arm and IMG, who do not look at areas, see useless stores.
-pub(super) fn tile_pass(device: &Device, format: vk::Format) -> Result<Owned<vk::RenderPass>> {
+fn tile_pass(device: &Device, format: vk::Format) -> Result<Owned<vk::RenderPass>> {
     let layout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
     let attachments = [vk::AttachmentDescription::default()
         .format(format)
@@ -39,6 +40,48 @@ pub(super) fn tile_pass(device: &Device, format: vk::Format) -> Result<Owned<vk:
     let info = vk::RenderPassCreateInfo::default().attachments(&attachments).subpasses(&subpasses);
     // SAFETY: every array outlives the call; the only reference is to the only attachment.
     unsafe { device.create_render_pass(&info, "shadow tile") }
+}
+
+/// What tiles are drawn with, wherever in the map they lie.
+pub(super) struct TilePipelines {
+    // In order of destruction.
+    pub(super) casters: CasterPipelines,
+    /// `None` without a static map.
+    pub(super) compose: Option<Compose>,
+    pub(super) pass: Owned<vk::RenderPass>,
+}
+
+impl TilePipelines {
+    pub(super) fn new(device: &Device, map: &ShadowMap, cache: &PipelineCache) -> Result<Self> {
+        let pass = tile_pass(device, conv::format(map.format))?;
+        let builder = Builder { device, pass: &pass, cache };
+        let casters = CasterPipelines::new(map, &builder)?;
+        let compose = map.has_static_map.then(|| Compose::new(&builder)).transpose()?;
+        Ok(Self { casters, compose, pass })
+    }
+
+    /// Whether those of one map serve another.
+    pub(super) fn serve(one: &ShadowMap, other: &ShadowMap) -> bool {
+        let of = |map: &ShadowMap| (map.format, map.casters.clone(), map.has_static_map);
+        of(one) == of(other)
+    }
+
+    pub(super) fn framebuffer(
+        &self,
+        device: &Device,
+        image: &Image,
+        size: [u32; 2],
+    ) -> Result<Owned<vk::Framebuffer>> {
+        let views = [image.view()];
+        let info = vk::FramebufferCreateInfo::default()
+            .render_pass(self.pass.raw())
+            .attachments(&views)
+            .width(size[0])
+            .height(size[1])
+            .layers(1);
+        // SAFETY: the view is alive and of the format that the pass was made from.
+        unsafe { device.create_framebuffer(&info, "shadow map") }
+    }
 }
 
 /// Pipelines of one layout: solid casters', or those of masks that are textured or not.
@@ -92,18 +135,6 @@ pub(super) struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    pub(super) fn framebuffer(&self, image: &Image, size: [u32; 2]) -> Result<Owned<vk::Framebuffer>> {
-        let views = [image.view()];
-        let info = vk::FramebufferCreateInfo::default()
-            .render_pass(self.pass.raw())
-            .attachments(&views)
-            .width(size[0])
-            .height(size[1])
-            .layers(1);
-        // SAFETY: the view is alive and of the format that the pass was made from.
-        unsafe { self.device.create_framebuffer(&info, "shadow map") }
-    }
-
     fn caster(&self, kind: &CasterKind, layout: &CasterLayout) -> Result<Owned<vk::Pipeline>> {
         // As the main pass draws it: faces that point away from the light cast no shadow, unless both sides exist. Depth is
         // reversed, so away from the light is down.

@@ -146,7 +146,7 @@ impl Scene {
         let Some(motion) = self.motion.take() else {
             return Err(Error::unsupported(
                 format!("nothing of scene '{}' is animated", self.name),
-                "load a file with animations by `Scene::load_moving`, or give the scene a `Motion`",
+                "load a file that has animations as one that moves (load_moving), or give the scene a motion",
             ));
         };
         let posed = posture.set(&motion, playing);
