@@ -76,6 +76,8 @@ fn bare_needs(needs: &Needs) -> Needs {
         name.clear();
     }
     bare.prelit.clear();
+    // Posed vertices are vertices like others.
+    bare.posed = None;
     bare.shadows.lights.iter_mut().for_each(|light| light.name.clear());
     bare.environment.iter_mut().chain(&mut bare.probes).for_each(|environment| environment.name.clear());
     bare.particles.iter_mut().for_each(|particles| {
