@@ -83,6 +83,24 @@ proptest! {
     }
 
     #[test]
+    fn damaged_codes_never_panic(
+        khr in any::<bool>(),
+        flips in prop::collection::vec((any::<prop::sample::Index>(), 1..=255u8), 1..20),
+    ) {
+        let mut bytes = match khr {
+            true => include_bytes!("../loader/meshopt/packed-khr.glb").to_vec(),
+            false => include_bytes!("../loader/meshopt/packed-ext.glb").to_vec(),
+        };
+        for (at, flip) in flips {
+            let at = at.index(bytes.len());
+            bytes[at] ^= flip;
+        }
+        if let Ok(scene) = load_bytes("a", &bytes) {
+            consistent(&scene);
+        }
+    }
+
+    #[test]
     fn truncated_files_never_panic(glb in any::<bool>(), end in any::<prop::sample::Index>()) {
         let file = rich();
         let bytes = if glb { file.to_glb() } else { file.to_gltf() };

@@ -9,6 +9,7 @@ mod gltf_build;
 mod lights;
 mod materials;
 mod meshes;
+mod meshopt;
 mod motion;
 mod nodes;
 mod particles;

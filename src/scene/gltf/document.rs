@@ -1,20 +1,23 @@
 //! A parsed file: its JSON, its buffers, and checked access to both.
 
 use std::borrow::Cow;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::path::Path;
 
-use gltf::json::extensions::texture::TextureTransform;
 use gltf::json::validation::Checked;
 use gltf::json::{self, Index, Root};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
+use super::meshopt::Compressed;
 use super::source;
+use super::unknown::{Transforms, Unknown};
 use crate::{Error, Result};
 
-const SUPPORTED_EXTENSIONS: [&str; 9] = [
+const SUPPORTED_EXTENSIONS: [&str; 11] = [
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
     "KHR_mesh_quantization",
     "KHR_texture_basisu",
     "KHR_texture_transform",
@@ -52,6 +55,8 @@ pub const MAX_INDICES: usize = 1 << 28;
 pub const MAX_INSTANCES: usize = 1 << 22;
 /// See [`MAX_VERTICES`].
 pub const MAX_TEXELS: u64 = 1 << 30;
+/// See [`MAX_VERTICES`]: a kilobyte of meshopt's codes can stand for a megabyte.
+const MAX_DECODED_BYTES: u64 = 1 << 31;
 
 /// A file whose version and required extensions are known to be supported.
 pub struct Document<'a> {
@@ -64,6 +69,13 @@ pub struct Document<'a> {
     bin: Option<Vec<u8>>,
     /// By index; read when first used.
     buffers: Vec<OnceCell<Vec<u8>>>,
+    /// By buffer: see [`Unknown::fallbacks`].
+    fallbacks: Vec<bool>,
+    /// By buffer view: see [`Unknown::compressed`].
+    compressed: Vec<Option<(&'static str, Compressed)>>,
+    /// By buffer view: what is compressed, decoded when first used.
+    decoded: Vec<OnceCell<Vec<u8>>>,
+    decoded_bytes: Cell<u64>,
 }
 
 /// What decides whether a file can be read at all.
@@ -82,54 +94,6 @@ struct Asset {
     min_version: Option<String>,
 }
 
-/// KHR_texture_transform where the JSON library does not know it, and KHR_texture_basisu, which it does not know at all.
-#[derive(Deserialize)]
-struct Unknown {
-    #[serde(default)]
-    materials: Vec<Transforms>,
-    #[serde(default)]
-    textures: Vec<TextureExtensions>,
-}
-
-#[derive(Deserialize)]
-struct TextureExtensions {
-    extensions: Option<BasisExtension>,
-}
-
-#[derive(Deserialize)]
-struct BasisExtension {
-    #[serde(rename = "KHR_texture_basisu")]
-    basis: Option<BasisSource>,
-}
-
-#[derive(Deserialize)]
-struct BasisSource {
-    source: Option<Index<json::Image>>,
-}
-
-/// The transforms of one material's normal and occlusion textures.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Transforms {
-    normal_texture: Option<TextureInfo>,
-    occlusion_texture: Option<TextureInfo>,
-}
-
-#[derive(Deserialize)]
-struct TextureInfo {
-    extensions: Option<json::extensions::texture::Info>,
-}
-
-impl Transforms {
-    pub fn normal(&self) -> Option<&TextureTransform> {
-        self.normal_texture.as_ref()?.extensions.as_ref()?.texture_transform.as_ref()
-    }
-
-    pub fn occlusion(&self) -> Option<&TextureTransform> {
-        self.occlusion_texture.as_ref()?.extensions.as_ref()?.texture_transform.as_ref()
-    }
-}
-
 impl<'a> Document<'a> {
     /// Whether attributes may be small integers (KHR_mesh_quantization).
     pub fn is_quantized(&self) -> bool {
@@ -146,11 +110,19 @@ impl<'a> Document<'a> {
         check_head(path, &json)?;
         let root: Root = serde_json::from_slice(&json).map_err(|e| locate(path, &json, &e))?;
         let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
-        let Unknown { materials: transforms, textures } =
-            serde_json::from_slice(&json).map_err(|e| malformed(path, &e))?;
-        let basis_source = |texture: TextureExtensions| texture.extensions?.basis?.source;
-        let basis_sources = textures.into_iter().map(basis_source).collect();
-        Ok(Self { path, root, transforms, basis_sources, bin, buffers })
+        let mut unknown: Unknown = serde_json::from_slice(&json).map_err(|e| malformed(path, &e))?;
+        Ok(Self {
+            path,
+            basis_sources: unknown.basis_sources(),
+            bin,
+            buffers,
+            fallbacks: unknown.fallbacks(),
+            compressed: unknown.compressed(),
+            decoded: root.buffer_views.iter().map(|_| OnceCell::new()).collect(),
+            decoded_bytes: Cell::new(0),
+            transforms: unknown.materials,
+            root,
+        })
     }
 
     /// An [`Error::Input`] about this file.
@@ -199,8 +171,30 @@ impl<'a> Document<'a> {
     pub fn view(&self, index: Index<json::buffer::View>, element: &str) -> Result<&[u8]> {
         let view = self.get(&self.root.buffer_views, "bufferViews", index, element)?;
         let name = format!("bufferViews[{}]", index.value());
-        let bytes = self.buffer(view.buffer, &format!("{name}.buffer"))?;
-        let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
+        if let Some((extension, said)) = &self.compressed[index.value()] {
+            let cell = &self.decoded[index.value()];
+            if let Some(bytes) = cell.get() {
+                return Ok(bytes);
+            }
+            let name = format!("{name}.extensions.{extension}");
+            let decoded_bytes = self.decoded_bytes.get().saturating_add(view.byte_length.0);
+            if decoded_bytes > MAX_DECODED_BYTES {
+                let problem = format!("brings what is decoded to more than {MAX_DECODED_BYTES} bytes");
+                return Err(self.bad(name, problem, "split the scene into smaller files"));
+            }
+            let codes = self.range(said.buffer, said.byte_offset, said.byte_length, &name)?;
+            let decoded = said.decode(codes, view.byte_length.0).map_err(|(field, problem)| {
+                self.bad(format!("{name}.{field}"), problem, "compress or copy the file again")
+            })?;
+            self.decoded_bytes.set(decoded_bytes);
+            return Ok(cell.get_or_init(|| decoded));
+        }
+        self.range(view.buffer, view.byte_offset.unwrap_or_default().0, view.byte_length.0, &name)
+    }
+
+    /// Bytes of a buffer, as `name` asks for them.
+    fn range(&self, buffer: Index<json::Buffer>, offset: u64, length: u64, name: &str) -> Result<&[u8]> {
+        let bytes = self.buffer(buffer, &format!("{name}.buffer"))?;
         let end = offset.checked_add(length).filter(|&end| end <= bytes.len() as u64);
         end.map(|end| &bytes[offset as usize..end as usize]).ok_or_else(|| {
             self.bad(
@@ -208,7 +202,7 @@ impl<'a> Document<'a> {
                 format!(
                     "bytes {offset} to {offset} + {length} lie beyond the {} of buffers[{}]",
                     bytes.len(),
-                    view.buffer.value()
+                    buffer.value()
                 ),
                 "correct byteOffset and byteLength or export the file again",
             )
@@ -222,6 +216,10 @@ impl<'a> Document<'a> {
             return Ok(bytes);
         }
         let name = format!("buffers[{}]", index.value());
+        if buffer.uri.is_none() && self.fallbacks[index.value()] {
+            let problem = format!("is needed by {element}, but is a fallback without bytes");
+            return Err(self.bad(name, problem, "compress the file again"));
+        }
         let length = buffer.byte_length.0;
         let bytes = match (&buffer.uri, &self.bin) {
             (Some(uri), _) => Cow::Owned(source::read_uri(self.path, &format!("{name}.uri"), uri, length)?),
@@ -272,9 +270,6 @@ fn check_head(path: &Path, json: &[u8]) -> Result<()> {
         let remedy = match name.as_str() {
             "KHR_draco_mesh_compression" => {
                 "export without Draco compression, or decompress, e.g. with `gltf-transform copy in out`"
-            }
-            "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-                "export without meshopt compression, or decompress, e.g. with `gltf-transform copy in out`"
             }
             "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => {
                 "store the textures as PNG, JPEG or KTX2"

@@ -19,6 +19,9 @@ use super::{image, load};
 use crate::scene::Scene;
 use crate::{Error, Result};
 
+/// Extensions of views' bytes, which are written as they are once decoded.
+const DECODED: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
+
 /// A glTF file in memory: its JSON as it was, and one buffer with all bytes.
 pub(crate) struct Edit {
     path: PathBuf,
@@ -78,6 +81,15 @@ impl Edit {
             let view = &mut json["bufferViews"][index];
             view["buffer"] = json!(0);
             view["byteOffset"] = json!(append(&mut bin, bytes));
+            forget(view, &DECODED);
+        }
+        for list in ["extensionsUsed", "extensionsRequired"] {
+            let Some(names) = json.get_mut(list).and_then(Value::as_array_mut) else { continue };
+            names.retain(|name| !DECODED.iter().any(|decoded| name == decoded));
+            // glTF has no empty lists.
+            if names.is_empty() {
+                remove(&mut json, list);
+            }
         }
         let mut edit = Self { path: path.into(), json, bin };
         for index in 0..doc.root.images.len() {
@@ -303,6 +315,15 @@ fn append(bin: &mut Vec<u8>, bytes: &[u8]) -> usize {
     let offset = bin.len();
     bin.extend_from_slice(bytes);
     offset
+}
+
+/// Takes extensions away, with their object if it has no others.
+fn forget(item: &mut Value, extensions: &[&str]) {
+    let Some(said) = item.get_mut("extensions").and_then(Value::as_object_mut) else { return };
+    said.retain(|name, _| !extensions.contains(&name.as_str()));
+    if said.is_empty() {
+        remove(item, "extensions");
+    }
 }
 
 fn remove(object: &mut Value, key: &str) {

@@ -17,12 +17,14 @@ mod image;
 mod light;
 mod material;
 mod mesh;
+mod meshopt;
 mod motion;
 mod node;
 mod particles;
 mod pose;
 mod source;
 mod tangent;
+mod unknown;
 
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
