@@ -81,7 +81,12 @@ fn files_and_uris() {
             "images[0]",
             "neither",
         ),
-        ("unknown image", |f| textured(f, b"RIFF0000WEBPVP8 "), "images[0]", "neither PNG nor JPEG"),
+        (
+            "unknown image",
+            |f| textured(f, b"GIF89a\x01\0\x01\0"),
+            "images[0]",
+            "neither PNG nor JPEG nor WebP",
+        ),
         ("cut image", |f| textured(f, &png(9, 9, &[7; 324])[..60]), "images[0]", "cannot be decoded"),
         (
             "wide image",

@@ -3,6 +3,7 @@
 mod decals;
 mod defaults;
 mod environments;
+mod extensions;
 #[path = "../common/gltf_build.rs"]
 #[allow(dead_code, reason = "each test file uses some of this")]
 mod gltf_build;

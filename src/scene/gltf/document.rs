@@ -10,15 +10,19 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
+use super::instancing::Attributes;
 use super::meshopt::Compressed;
 use super::source;
 use super::unknown::{Transforms, Unknown};
 use crate::{Error, Result};
 
-const SUPPORTED_EXTENSIONS: [&str; 11] = [
+const SUPPORTED_EXTENSIONS: [&str; 14] = [
     "EXT_meshopt_compression",
     "KHR_meshopt_compression",
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_materials_unlit",
@@ -30,7 +34,8 @@ const SUPPORTED_EXTENSIONS: [&str; 11] = [
 ];
 
 /// Extensions that change what is seen, but without which a file still is useful.
-const LOOK_EXTENSIONS: [&str; 13] = [
+const LOOK_EXTENSIONS: [&str; 12] = [
+    "KHR_animation_pointer",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
@@ -40,9 +45,7 @@ const LOOK_EXTENSIONS: [&str; 13] = [
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "EXT_lights_image_based",
-    "EXT_mesh_gpu_instancing",
     "EXT_texture_avif",
-    "EXT_texture_webp",
     "MSFT_texture_dds",
 ];
 
@@ -64,8 +67,14 @@ pub struct Document<'a> {
     pub root: Root,
     /// By material.
     pub transforms: Vec<Transforms>,
-    /// By texture: the image that KHR_texture_basisu names.
-    pub basis_sources: Vec<Option<Index<json::Image>>>,
+    /// By texture: see [`Unknown::sources`].
+    pub sources: Vec<Option<(&'static str, Index<json::Image>)>>,
+    /// By node: see [`Unknown::instancing`].
+    pub instancing: Vec<Option<Attributes>>,
+    /// By node: see [`Unknown::hidden`].
+    pub hidden: Vec<bool>,
+    /// How many channels of animations move no node.
+    pub pointers: usize,
     bin: Option<Vec<u8>>,
     /// By index; read when first used.
     buffers: Vec<OnceCell<Vec<u8>>>,
@@ -108,12 +117,18 @@ impl<'a> Document<'a> {
     /// A document of this content; `path` is for messages and for files beside it.
     pub fn new(path: &'a Path, source::Container { json, bin }: source::Container) -> Result<Self> {
         check_head(path, &json)?;
-        let root: Root = serde_json::from_slice(&json).map_err(|e| locate(path, &json, &e))?;
+        let (root, pointers) = match serde_json::from_slice(&json) {
+            Ok(root) => (root, 0),
+            Err(e) => without_pointers(&json).ok_or_else(|| locate(path, &json, &e))?,
+        };
         let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
         let mut unknown: Unknown = serde_json::from_slice(&json).map_err(|e| malformed(path, &e))?;
         Ok(Self {
             path,
-            basis_sources: unknown.basis_sources(),
+            sources: unknown.sources(),
+            instancing: unknown.instancing(),
+            hidden: unknown.hidden(),
+            pointers,
             bin,
             buffers,
             fallbacks: unknown.fallbacks(),
@@ -241,9 +256,17 @@ impl<'a> Document<'a> {
     /// A warning for each extension that is left out although it changes the look.
     pub fn extension_warnings(&self) -> Vec<String> {
         let used = self.root.extensions_used.iter();
-        used.filter(|name| LOOK_EXTENSIONS.contains(&name.as_str()))
+        let mut warnings: Vec<String> = used
+            .filter(|name| LOOK_EXTENSIONS.contains(&name.as_str()))
             .map(|name| format!("extensionsUsed: {name} is not supported and was left out"))
-            .collect()
+            .collect();
+        if self.pointers > 0 {
+            let count = self.pointers;
+            warnings.push(format!(
+                "animations: {count} channels that move something else than nodes were left out"
+            ));
+        }
+        warnings
     }
 }
 
@@ -271,9 +294,7 @@ fn check_head(path: &Path, json: &[u8]) -> Result<()> {
             "KHR_draco_mesh_compression" => {
                 "export without Draco compression, or decompress, e.g. with `gltf-transform copy in out`"
             }
-            "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => {
-                "store the textures as PNG, JPEG or KTX2"
-            }
+            "EXT_texture_avif" | "MSFT_texture_dds" => "store the textures as PNG, JPEG, WebP or KTX2",
             _ => "export the scene without this extension, or make it optional",
         };
         let name = source::shortened(name);
@@ -281,6 +302,22 @@ fn check_head(path: &Path, json: &[u8]) -> Result<()> {
         return Err(Error::input(path, format!("extensionsRequired[{i}]"), problem, remedy));
     }
     Ok(())
+}
+
+/// The document without the channels of animations that move no node, which the JSON library takes for damaged, and their number: glTF
+/// has readers ignore what extensions let them move instead (KHR_animation_pointer). `None`: it has none, or is damaged.
+fn without_pointers(json: &[u8]) -> Option<(Root, usize)> {
+    let mut root: Value = serde_json::from_slice(json).ok()?;
+    let mut pointers = 0;
+    for animation in root.get_mut("animations")?.as_array_mut()? {
+        let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else { continue };
+        let before = channels.len();
+        channels
+            .retain(|channel| channel["target"]["path"].is_null() || !channel["target"]["node"].is_null());
+        pointers += before - channels.len();
+    }
+    let root = (pointers > 0).then(|| serde_json::from_value(root).ok())??;
+    Some((root, pointers))
 }
 
 fn malformed(path: &Path, error: &serde_json::Error) -> Error {

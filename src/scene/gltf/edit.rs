@@ -101,6 +101,7 @@ impl Edit {
             let view = edit.add_view(&bytes, None);
             let mime = match bytes.as_ref() {
                 png if png.starts_with(b"\x89PNG") => "image/png",
+                webp if webp.starts_with(b"RIFF") => "image/webp",
                 ktx if ktx.starts_with(&ktx2::MAGIC) => "image/ktx2",
                 _ => "image/jpeg",
             };
@@ -126,7 +127,9 @@ impl Edit {
             let never = around::node_lightmap(&doc, node)? == Some(NodeLightmap::Never);
             let world_from_node = tree.world_from_node[node];
             let is_flat = DMat3::from_mat4(world_from_node).determinant() == 0.0;
-            if never || is_flat || tree.dynamic[node] {
+            // Instances would share one part of the lightmap.
+            let is_many = doc.instancing[node].is_some();
+            if never || is_flat || is_many || tree.dynamic[node] {
                 continue;
             }
             doc.get(&doc.root.meshes, "meshes", mesh, format!("nodes[{node}].mesh"))?;

@@ -1,4 +1,4 @@
-//! PNG and JPEG into RGBA8; KTX 2.0 stays as it is.
+//! PNG, JPEG and WebP into RGBA8; KTX 2.0 stays as it is.
 
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -40,7 +40,7 @@ pub fn decode_all(doc: &Document, indices: &[usize]) -> Result<Vec<Image>> {
 }
 
 fn undecodable(doc: &Document, index: usize, problem: String) -> crate::Error {
-    let remedy = format!("store it as a PNG, JPEG or KTX2 of at most {MAX_SIDE} texels a side");
+    let remedy = format!("store it as a PNG, JPEG, WebP or KTX2 of at most {MAX_SIDE} texels a side");
     doc.bad(format!("images[{index}]"), problem, remedy)
 }
 
@@ -62,8 +62,8 @@ pub fn encoded_bytes<'a>(doc: &'a Document, index: usize) -> Result<Cow<'a, [u8]
 
 fn decoder(bytes: &[u8]) -> Result<impl ImageDecoder, String> {
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
-    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
-        return Err("is neither PNG nor JPEG nor KTX2".into());
+    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) {
+        return Err("is neither PNG nor JPEG nor WebP nor KTX2".into());
     }
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);

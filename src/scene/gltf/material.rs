@@ -249,13 +249,17 @@ impl Materials {
         let found = doc.get(&doc.root.textures, "textures", texture, element)?;
         let name = format!("textures[{}]", texture.value());
         // The plain source is for readers that do not know the extension.
-        let (source, element) = match doc.basis_sources[texture.value()] {
-            Some(source) => (source, format!("{name}.extensions.KHR_texture_basisu.source")),
+        let (source, element) = match doc.sources[texture.value()] {
+            Some((extension, source)) => (source, format!("{name}.extensions.{extension}.source")),
             None => (found.source, format!("{name}.source")),
         };
         // The JSON library's way to say that there is no source.
         if source.value() == u32::MAX as usize {
-            return Err(doc.bad(element, "is missing", "give it a PNG, JPEG or KTX2 image as its source"));
+            return Err(doc.bad(
+                element,
+                "is missing",
+                "give it a PNG, JPEG, WebP or KTX2 image as its source",
+            ));
         }
         doc.get(&doc.root.images, "images", source, element)?;
         Ok(index_of(&mut self.images, &mut self.image_indices, source.value()))

@@ -14,6 +14,7 @@ pub(crate) mod edit;
 mod environment;
 mod extras;
 mod image;
+mod instancing;
 mod light;
 mod material;
 mod mesh;
@@ -198,6 +199,12 @@ fn read_meshes(
             None => world_from_node.as_mat4(),
         };
         let own = (skin.is_some() || node.weights.is_some() || bends).then_some(node_index);
+        let placements = instancing::placements(doc, node_index)?;
+        if skin.is_some() && placements.is_some() {
+            let ignored = "its skin decides where the mesh is; EXT_mesh_gpu_instancing was left out";
+            scene.warnings.push(format!("{element}: {ignored}"));
+        }
+        let placements = placements.filter(|_| skin.is_none());
         let bend = Bend { weights, skin: skin.map(|skin| (skin, origin)), moves: bends };
         let has_particles = particles::said(doc, node_index)?.is_some();
         for (j, json) in mesh.primitives.iter().enumerate() {
@@ -222,19 +229,48 @@ fn read_meshes(
                 }
             };
             let Some(mesh) = index else { continue };
-            if scene.instances.len() == MAX_INSTANCES {
+            let count = placements.as_ref().map_or(1, Vec::len);
+            if scene.instances.len() + count > MAX_INSTANCES {
                 let problem = format!("there are more than {MAX_INSTANCES} meshes to draw");
                 return Err(doc.bad("nodes", problem, "split the scene into smaller files"));
             }
             let lightmap = lightmaps.of(doc, node_index, &scene.meshes[mesh], materials)?;
             let dynamic = tree.dynamic[node_index] || bends;
+            let weights = moving.weights(node_index).then_some(Follows::Weights { mesh });
+            followers.list.extend(weights.map(|what| (node_index, what)));
+            if let Some(placements) = &placements {
+                // Instances would share one part of the lightmap.
+                let instance = Instance { dynamic, ..Instance::new(mesh, Mat4::IDENTITY) };
+                let before = scene.instances.len();
+                for node_from_object in placements {
+                    let world_from_object = world_from_node * *node_from_object;
+                    if !moves && DMat3::from_mat4(world_from_object).determinant() == 0.0 {
+                        continue;
+                    }
+                    let world_from_object = world_from_object.as_mat4();
+                    if !world_from_object.is_finite() {
+                        let problem = "an instance's place in world space exceeds what f32 can hold";
+                        return Err(doc.bad(format!("nodes[{node_index}]"), problem, "scale the scene down"));
+                    }
+                    if moves {
+                        let place = (node_index, node_from_object.as_mat4(), scene.instances.len());
+                        followers.instances.push(place);
+                    }
+                    scene.instances.push(Instance { world_from_object, ..instance });
+                }
+                let flat = before + count - scene.instances.len();
+                if flat > 0 {
+                    let problem = format!("scale flattens {flat} of {count} instances, which were left out");
+                    scene.warnings.push(format!("nodes[{node_index}]: {problem}"));
+                }
+                continue;
+            }
             let instance = scene.instances.len();
             let follows = match skin.filter(|_| bends) {
                 Some(skin) => Some(Follows::Skin { mesh, instance, skin: followers.skin(skin) }),
                 None => (skin.is_none() && moves).then_some(Follows::Instance(instance)),
             };
-            let weights = moving.weights(node_index).then_some(Follows::Weights { mesh });
-            followers.list.extend(follows.into_iter().chain(weights).map(|what| (node_index, what)));
+            followers.list.extend(follows.map(|what| (node_index, what)));
             scene.instances.push(Instance { dynamic, lightmap, ..Instance::new(mesh, world_from_object) });
         }
     }

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use glam::DMat4;
+use glam::{DMat4, Mat4};
 use gltf::json;
 use gltf::json::animation::{Interpolation as JsonInterpolation, Property as JsonProperty};
 
@@ -77,6 +77,8 @@ fn target(
 pub struct Followers {
     /// By node of the file.
     pub list: Vec<(usize, Follows)>,
+    /// Instances with places in a node's space that are not its own: node of the file, place, instance.
+    pub instances: Vec<(usize, Mat4, usize)>,
     /// Those that bend something, by their number in the file.
     skins: Vec<(usize, crate::scene::Skin)>,
 }
@@ -121,11 +123,12 @@ impl Followers {
                 scene.warnings.push(format!("nodes[{i}]: {what}"));
             }
         }
-        if self.list.is_empty() {
+        if self.list.is_empty() && self.instances.is_empty() {
             return Ok(None);
         }
         // What follows, what bends it, and what these hang from.
         let mut kept: HashSet<usize> = self.list.iter().map(|(node, _)| *node).collect();
+        kept.extend(self.instances.iter().map(|(node, ..)| *node));
         kept.extend(self.skins.iter().flat_map(|(_, skin)| &skin.joints));
         for &i in tree.order.iter().rev() {
             if kept.contains(&i) {
@@ -134,15 +137,22 @@ impl Followers {
         }
         let order: Vec<usize> = tree.order.iter().copied().filter(|i| kept.contains(i)).collect();
         let place: HashMap<usize, usize> = order.iter().enumerate().map(|(new, &old)| (old, new)).collect();
-        let nodes = order.iter().map(|&i| read_node(doc, tree, &place, i)).collect::<Result<Vec<_>>>()?;
+        let mut nodes = order.iter().map(|&i| read_node(doc, tree, &place, i)).collect::<Result<Vec<_>>>()?;
         let skins = self.skins.into_iter().map(|(_, mut skin)| {
             skin.joints.iter_mut().for_each(|joint| *joint = place[joint]);
             skin
         });
         let followers = self.list.into_iter().map(|(node, what)| Follower { node: place[&node], what });
+        let mut followers: Vec<Follower> = followers.collect();
+        for (node, node_from_object, instance) in self.instances {
+            let name = format!("{} (instance {instance})", nodes[place[&node]].name);
+            let transform = NodeTransform::Matrix(node_from_object);
+            followers.push(Follower { node: nodes.len(), what: Follows::Instance(instance) });
+            nodes.push(Node { name, parent: Some(place[&node]), transform, weights: Vec::new() });
+        }
         let mut motion = Motion {
             skins: skins.collect(),
-            followers: followers.collect(),
+            followers,
             nodes,
             animations: Vec::with_capacity(doc.root.animations.len()),
         };

@@ -23,6 +23,8 @@ pub struct NodeTree {
     /// By node: whether it will move, because its extras or those of a node above it say `"dynamic": true`.
     pub dynamic: Vec<bool>,
     /// Nodes of the default scene, in ascending order.
+    pub all: Vec<usize>,
+    /// Those of them that nothing hides.
     pub drawn: Vec<usize>,
 }
 
@@ -52,10 +54,15 @@ impl NodeTree {
             let own = extras(doc, i)?.get("dynamic").map_or(Ok(false), Extra::bool)?;
             dynamic[i] = own || parents[i].is_some_and(|parent| dynamic[parent]);
         }
-        let mut drawn = descendants(doc, scene_roots(doc, &parents)?);
-        drawn.sort_unstable();
-        drawn.dedup();
-        Ok(Self { parents, order, world_from_node, dynamic, drawn })
+        let mut all = descendants(doc, scene_roots(doc, &parents)?);
+        all.sort_unstable();
+        all.dedup();
+        let mut hidden = doc.hidden.clone();
+        for &i in &order {
+            hidden[i] |= parents[i].is_some_and(|parent| hidden[parent]);
+        }
+        let drawn = all.iter().copied().filter(|&i| !hidden[i]).collect();
+        Ok(Self { parents, order, world_from_node, dynamic, all, drawn })
     }
 }
 
@@ -164,15 +171,15 @@ pub fn extras<'a>(doc: &'a Document<'a>, node: usize) -> Result<Extras<'a>> {
     Extras::read(doc, &[(&doc.root.nodes[node].extras, format!("nodes[{node}]"))], &extras::OF_NODES)
 }
 
-/// The drawn nodes that have a camera, in the order of [`read_cameras`].
+/// The nodes that have a camera, be they hidden or not, in the order of [`read_cameras`].
 pub fn with_cameras<'a>(doc: &'a Document, tree: &'a NodeTree) -> impl Iterator<Item = usize> + 'a {
-    tree.drawn.iter().copied().filter(|&i| doc.root.nodes[i].camera.is_some())
+    tree.all.iter().copied().filter(|&i| doc.root.nodes[i].camera.is_some())
 }
 
-/// The cameras of the drawn nodes.
+/// The cameras of the scene's nodes.
 pub fn read_cameras(doc: &Document, tree: &NodeTree) -> Result<Vec<Camera>> {
     let mut cameras = Vec::new();
-    for &i in &tree.drawn {
+    for &i in &tree.all {
         let node = &doc.root.nodes[i];
         let Some(index) = node.camera else { continue };
         let camera = doc.get(&doc.root.cameras, "cameras", index, format!("nodes[{i}].camera"))?;

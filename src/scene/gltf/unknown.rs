@@ -4,6 +4,7 @@ use gltf::json::extensions::texture::TextureTransform;
 use gltf::json::{self, Index};
 use serde::Deserialize;
 
+use super::instancing::Attributes;
 use super::meshopt::Compressed;
 
 /// What is read beside the JSON library's document.
@@ -13,11 +14,13 @@ pub struct Unknown {
     #[serde(default)]
     pub materials: Vec<Transforms>,
     #[serde(default)]
-    textures: Vec<Extended<BasisExtension>>,
+    textures: Vec<Extended<TextureExtensions>>,
     #[serde(default)]
     buffers: Vec<Extended<BufferExtensions>>,
     #[serde(default)]
     buffer_views: Vec<Extended<ViewExtensions>>,
+    #[serde(default)]
+    nodes: Vec<Extended<NodeExtensions>>,
 }
 
 /// Something with extensions.
@@ -27,14 +30,34 @@ struct Extended<T> {
 }
 
 #[derive(Deserialize)]
-struct BasisExtension {
+struct TextureExtensions {
     #[serde(rename = "KHR_texture_basisu")]
-    basis: Option<BasisSource>,
+    basis: Option<Source>,
+    #[serde(rename = "EXT_texture_webp")]
+    webp: Option<Source>,
 }
 
 #[derive(Deserialize)]
-struct BasisSource {
+struct Source {
     source: Option<Index<json::Image>>,
+}
+
+#[derive(Deserialize)]
+struct NodeExtensions {
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    instancing: Option<Instancing>,
+    #[serde(rename = "KHR_node_visibility")]
+    visibility: Option<Visibility>,
+}
+
+#[derive(Deserialize)]
+struct Instancing {
+    attributes: Attributes,
+}
+
+#[derive(Deserialize)]
+struct Visibility {
+    visible: Option<bool>,
 }
 
 #[derive(Deserialize)]
@@ -60,10 +83,29 @@ struct ViewExtensions {
 }
 
 impl Unknown {
-    /// By texture: the image that KHR_texture_basisu names.
-    pub fn basis_sources(&self) -> Vec<Option<Index<json::Image>>> {
-        let source = |texture: &Extended<BasisExtension>| texture.extensions.as_ref()?.basis.as_ref()?.source;
+    /// By texture: the extension that names another image than the plain one, and which.
+    pub fn sources(&self) -> Vec<Option<(&'static str, Index<json::Image>)>> {
+        let source = |texture: &Extended<TextureExtensions>| {
+            let TextureExtensions { basis, webp } = texture.extensions.as_ref()?;
+            let named = |source: &Option<Source>, name| Some((name, source.as_ref()?.source?));
+            named(basis, "KHR_texture_basisu").or(named(webp, "EXT_texture_webp"))
+        };
         self.textures.iter().map(source).collect()
+    }
+
+    /// By node: the attributes of its instances.
+    pub fn instancing(&mut self) -> Vec<Option<Attributes>> {
+        let of = |node: &mut Extended<NodeExtensions>| {
+            Some(node.extensions.as_mut()?.instancing.take()?.attributes)
+        };
+        self.nodes.iter_mut().map(of).collect()
+    }
+
+    /// By node: whether KHR_node_visibility hides it with all below.
+    pub fn hidden(&self) -> Vec<bool> {
+        let visible =
+            |node: &Extended<NodeExtensions>| node.extensions.as_ref()?.visibility.as_ref()?.visible;
+        self.nodes.iter().map(|node| visible(node) == Some(false)).collect()
     }
 
     /// By buffer: whether it is what programs read that cannot decode, and may have no bytes.
