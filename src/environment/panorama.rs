@@ -79,8 +79,7 @@ impl Panorama {
         match reader.format() {
             Some(ImageFormat::Hdr | ImageFormat::OpenExr) => {}
             Some(other) => {
-                let name = format!("{other:?}").to_uppercase();
-                let problem = format!("is {name}, whose channels cannot hold radiance");
+                let problem = format!("is {other:?}, whose channels cannot hold radiance");
                 return Err(bad("environment", problem, MAKE_IT_HDR));
             }
             None => {

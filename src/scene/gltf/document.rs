@@ -335,13 +335,7 @@ fn locate(path: &Path, json: &[u8], error: &serde_json::Error) -> Error {
             Some((format!("{list}[{i}]"), error))
         })
     }
-    let Ok(root) = serde_json::from_slice::<Value>(json) else {
-        if json.trim_ascii_start().first() != Some(&b'{') {
-            let problem = if json.is_empty() { "is empty" } else { "is neither a GLB file nor JSON" };
-            return Error::input(path, "file", problem, "name a .gltf or .glb file, or export it again");
-        }
-        return malformed(path, error);
-    };
+    let Ok(root) = serde_json::from_slice::<Value>(json) else { return malformed(path, error) };
     let found = first_bad::<json::Accessor>(&root, "accessors")
         .or_else(|| first_bad::<json::Animation>(&root, "animations"))
         .or_else(|| first_bad::<json::Buffer>(&root, "buffers"))
