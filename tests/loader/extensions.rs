@@ -136,7 +136,7 @@ fn textures_in_webp() {
     *file.at("/materials/0/pbrMetallicRoughness") = json!({"baseColorTexture": {"index": texture}});
     let scene = file.load().unwrap();
     let [better] = &scene.images[..] else { panic!("{}", scene.images.len()) };
-    assert_eq!((better.name.as_str(), better.width, &better.rgba8()[..]), ("better", 8, &texels[..]));
+    assert_eq!((better.name.as_str(), better.width, better.rgba8()), ("better", 8, &texels[..]));
     *file.at("/textures/0/extensions/EXT_texture_webp/source") = json!(9);
     let beyond = file.load().unwrap_err().to_string();
     assert!(beyond.contains("textures[0].extensions.EXT_texture_webp.source"), "{beyond}");

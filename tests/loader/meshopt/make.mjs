@@ -46,6 +46,15 @@ add('floats', 'ATTRIBUTES', waves, 200, 12, 'NONE');
 add('zeros', 'ATTRIBUTES', new Float32Array(100), 100, 4, 'NONE');
 add('noise', 'ATTRIBUTES', new Uint8Array(64 * 8).map(() => random() * 256), 64, 8, 'NONE');
 
+// Words of which other bits change than the lowest: the encoder turns their differences.
+for (const turn of [3, 6, 11]) {
+	const words = new Uint32Array(96).map((_, i) => (((i * 0x9e3779b1) >>> 0) & (0xff << turn)) >>> 0);
+	const codes = MeshoptEncoder.encodeVertexBufferLevel(bytes(words), 96, 4, 3, 1);
+	const decoded = new Uint8Array(96 * 4);
+	MeshoptDecoder.decodeGltfBuffer(decoded, 96, 4, codes, 'ATTRIBUTES', 'NONE');
+	streams.push({ name: `turned ${turn}`, mode: 'ATTRIBUTES', filter: 'NONE', count: 96, stride: 4, codes: base64(codes), decoded: base64(decoded) });
+}
+
 const unit = (n) => {
 	const v = Array.from({ length: n }, () => random() - 0.5);
 	const length = Math.hypot(...v);
@@ -75,7 +84,7 @@ const ordered = new Uint32Array(lattice.flat());
 MeshoptEncoder.reorderMesh(ordered, true, true);
 const shuffled = [...lattice].sort(() => random() - 0.5).flat();
 const apart = Array.from({ length: 80 }, () => [0, 0, 0].map(() => Math.floor(random() * 60000))).flat();
-const restarts = [...lattice.slice(0, 20).flat(), ...lattice.slice(0, 20).flat()];
+const restarts = [...ordered.slice(0, 60), ...ordered.slice(0, 60)];
 for (const [name, list] of Object.entries({ ordered: [...ordered], shuffled, apart, restarts })) {
 	const [short, long] = [new Uint16Array(list), new Uint32Array(list.map((index) => index + (name === 'apart' ? 70000 : 0)))];
 	for (const mode of ['TRIANGLES', 'INDICES']) {

@@ -11,7 +11,7 @@ const WIDTHS_V1: [[usize; 4]; 2] = [[0, 1, 2, 4], [1, 2, 4, 8]];
 enum Channel {
     Bytes,
     Shorts,
-    /// An exclusive or, rotated left by so many bits.
+    /// An exclusive or, rotated right by so many bits, since the encoder rotates left.
     Xor(u32),
 }
 
@@ -77,7 +77,7 @@ fn next(channel: Channel, value: [u8; 4], delta: [u8; 4]) -> [u8; 4] {
             [a, b, c, d]
         }
         Channel::Xor(bits) => {
-            (u32::from_le_bytes(value) ^ u32::from_le_bytes(delta).rotate_left(bits)).to_le_bytes()
+            (u32::from_le_bytes(value) ^ u32::from_le_bytes(delta).rotate_right(bits)).to_le_bytes()
         }
     }
 }
