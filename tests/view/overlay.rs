@@ -1,7 +1,7 @@
 //! What is drawn over the picture.
 
 use super::*;
-use gltf_build::Gltf;
+use gltf_build::{Channel, Gltf, animate};
 use ontile::picture::Pixels;
 use serde_json::json;
 
@@ -12,8 +12,9 @@ fn the_overlay_comes_and_goes() {
     let folder = tempfile::tempdir().unwrap();
     let picture = |name: &str| Picture::read(&folder.path().join(name)).unwrap();
     let lamps = asset("lamps.glb");
-    let mut script =
-        String::from("frames 3\nscreenshot before.png\nlive before.json\noverlay on\nframes 3\n");
+    let mut script = String::from(
+        "frames 3\nscreenshot before.png\nlive before.json\noverlay on\nframes 3\nscreenshot over.png\n",
+    );
     for (name, value) in OVER {
         script += &format!("set {name} {value}\nframes 2\nscreenshot {name}-{value}.png\n");
     }
@@ -27,15 +28,34 @@ fn the_overlay_comes_and_goes() {
     for (name, value) in OVER {
         let over = picture(&format!("{name}-{value}.png"));
         assert!(difference(&over, &picture("before.png")).is_some(), "{name} {value}: no overlay");
+        let (found, expected) = (letters(&over), letters(&picture("over.png")));
+        assert!(
+            found.abs_diff(expected) * 10 < expected,
+            "{name} {value}: {found} pixels of letters, not {expected}"
+        );
     }
 }
 
+/// How many pixels of the panel's title are as bright as its letters.
+fn letters(picture: &Picture) -> usize {
+    let Pixels::Rgba8(bytes) = &picture.pixels else { panic!("bytes") };
+    let at = (14..40).flat_map(|y| (60..400).map(move |x| 4 * (y * picture.width as usize + x)));
+    at.filter(|at| bytes[*at..at + 3].iter().all(|channel| *channel > 90)).count()
+}
+
 /// Options that change what the overlay is drawn over.
-const OVER: [(&str, &str); 4] =
-    [("strategy", "separate"), ("samples", "4"), ("strategy", "subpasses"), ("layout", "packed128")];
+const OVER: [(&str, &str); 6] = [
+    ("strategy", "separate"),
+    ("samples", "4"),
+    ("strategy", "subpasses"),
+    ("layout", "packed128"),
+    // All letters of this one were there before.
+    ("tonemap", "aces"),
+    ("tonemap", "neutral"),
+];
 
 /// A wall, seen by a parallel camera, with 100 pixels a metre in pictures 400 pixels high; a bright lamp just before it ends 1.5 m
-/// around a place 2 m to the right of the middle.
+/// around a place 2 m to the right of the middle, a second later 1 m further. A second camera is 1 m to the right.
 fn lamp_at_a_wall() -> Vec<u8> {
     let mut file = Gltf::triangle();
     file.json["nodes"][0] = json!({"mesh": 0, "translation": [-20, -20, 0], "scale": [80, 80, 1]});
@@ -46,10 +66,14 @@ fn lamp_at_a_wall() -> Vec<u8> {
         "cameras",
         json!({"type": "orthographic", "orthographic": {"xmag": 2, "ymag": 2, "znear": 1, "zfar": 9}}),
     );
-    file.root_node(json!({"translation": [2, 0, 0.1], "extensions": {"KHR_lights_punctual": {"light": 0}}}));
+    let lamp = json!({"translation": [2, 0, 0.1], "extensions": {"KHR_lights_punctual": {"light": 0}}});
+    let lamp = file.root_node(lamp);
+    let way: Channel = (lamp, "translation", "LINEAR", &[0.0, 1.0], "VEC3", &[2.0, 0.0, 0.1, 3.0, 0.0, 0.1]);
+    animate(&mut file, &[way]);
     // What casts a shadow, below the panel.
     file.root_node(json!({"mesh": 0, "translation": [-4, 0, 0.5]}));
     file.root_node(json!({"camera": 0, "translation": [0, 0, 5]}));
+    file.root_node(json!({"camera": 0, "translation": [1, 0, 5]}));
     file.to_gltf()
 }
 
@@ -77,7 +101,7 @@ fn outlines_are_where_lights_end() {
         let args = [&["wall.gltf", "--size", size][..], more].concat();
         assert_eq!(view(folder.path(), &screen.display, script, &args), "");
     };
-    let script = "screenshot lit.png\nlive before.json\noverlay on\nframes 2\nscreenshot over.png\nvolumes on\nframes 2\nscreenshot lines.png\n\
+    let script = "screenshot lit.png\nlive before.json\noverlay on\nframes 2\nscreenshot over.png\nvolumes on\nframes 2\nscreenshot lines.png\ncamera 1\ntime 0.5\nscreenshot there.png\ntime 1\nscreenshot then.png\ncamera 0\ntime 0\n\
                   volumes off\nframes 2\nscreenshot off.png\noverlay off\nframes 3\nlive after.json";
     for (turn, size, more) in
         [(0, "1000x400", &[][..]), (90, "400x1000", &[]), (270, "400x1000", &["--no-shadows"])]
@@ -88,6 +112,17 @@ fn outlines_are_where_lights_end() {
         let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
         assert_eq!(read("after.json"), read("before.json"), "{turn}");
         let lines = drawn(&lines, &over);
+        // At once where camera and lamp have gone: half a metre to the left, and back.
+        for (name, x) in [("there.png", 650.0), ("then.png", 700.0)] {
+            let moved = drawn(&picture(name), &over);
+            let is_on =
+                |[at, y]: &[f64; 2]| ((at - x).hypot(y - 200.0) - 150.0).abs() < 2.0 && (at - x).abs() > 60.0;
+            for is_left in [true, false] {
+                let count = moved.iter().filter(|at| is_on(at) && (at[0] < x) == is_left).count();
+                let least = if more.is_empty() { 250 } else { 60 };
+                assert!(count > least, "{turn}: {name}: {count} pixels of the circle");
+            }
+        }
         let from_lamp = |[x, y]: [f64; 2]| [x - 700.0, y - 200.0];
         let on_circle = |at: [f64; 2]| {
             let [x, y] = from_lamp(at);
