@@ -4,13 +4,13 @@ use std::ffi::c_char;
 
 use ash::vk;
 
-use super::call::{Failure, OntileResult, call, copy_out, destroy, get, get_mut, give, list, put};
+use super::ahead::{config_of, plan_of};
+use super::call::{Failure, OntileResult, Outcome, call, copy_out, destroy, get, get_mut, give, list, put};
 use super::elements::OntileCamera;
 use super::host::{OntileDevice, OntilePipelineCache};
 use super::options::OntileOptions;
 use super::world::OntileWorld;
-use crate::gpu::{OutputImage, PipelineCache, Recorder, Renderer, RendererConfig, Target, View};
-use crate::plan::{Needs, Plan};
+use crate::gpu::{OutputImage, OverlayPart, PipelineCache, Recorder, Renderer, Target, View};
 use crate::scene::PreRotation;
 
 type VkCommandBuffer = vk::CommandBuffer;
@@ -22,7 +22,9 @@ type VkImageLayout = vk::ImageLayout;
 
 /// Draws one world by one plan.
 pub struct OntileRenderer {
-    renderer: Renderer,
+    pub(super) renderer: Renderer,
+    /// Kept, so that no frame allocates.
+    pub(super) overlay_parts: Vec<OverlayPart>,
 }
 
 /// What a renderer draws to: the host's images of one size, and the attachments that exist only while a frame is drawn.
@@ -84,12 +86,10 @@ pub unsafe extern "C" fn ontile_renderer_create(
             (&get(device, "device")?.device, &get(world, "world")?.world, options.as_ref(), cache.as_ref())
         };
         let make = || {
-            let options = options.map(|o| o.options.clone()).unwrap_or_default();
-            let plan = Plan::new(Needs::of(world.scene()), options, &device.limits())?;
+            let plan = plan_of(device, world.scene(), options)?;
             let cache = cache.map_or_else(|| PipelineCache::new(device, &[]), |c| Ok(c.cache.clone()))?;
-            let config =
-                RendererConfig { frames_in_flight: frames_in_flight.max(1) as usize, ..Default::default() };
-            Ok(OntileRenderer { renderer: Renderer::new(device, world.scene(), plan, config, &cache)? })
+            let renderer = Renderer::new(device, world.scene(), plan, config_of(frames_in_flight), &cache)?;
+            Ok(OntileRenderer { renderer, overlay_parts: Vec::new() })
         };
         // SAFETY: the caller's promise.
         unsafe { give(renderer, "renderer", make) }
@@ -245,14 +245,49 @@ pub unsafe extern "C" fn ontile_target_create(
         // SAFETY: the caller's promise.
         unsafe {
             let renderer = &get(renderer, "renderer")?.renderer;
-            let images = list(images, count, "images")?;
-            let outputs: Vec<_> =
-                images.iter().map(|i| OutputImage { image: i.image, view: i.view }).collect();
+            let outputs = outputs(images, count)?;
             give(target, "target", || {
                 Ok(OntileTarget { target: renderer.create_target([width, height], &outputs)? })
             })
         }
     })
+}
+
+/// The same for a renderer with the option "difference" (a number that multiplies it), with a view of the other picture: of this size, one
+/// sample, any format of colours. When a frame is recorded that picture was drawn by commands before on the same queue, and its image is
+/// in VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, as the option "output-use" with "sample" leaves it.
+///
+/// # Safety
+/// As for ontile_target_create; `other` lives as long as the target.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ontile_target_create_beside(
+    renderer: *const OntileRenderer,
+    width: u32,
+    height: u32,
+    images: *const OntileOutputImage,
+    count: usize,
+    other: VkImageView,
+    target: *mut *mut OntileTarget,
+) -> OntileResult {
+    call(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let renderer = &get(renderer, "renderer")?.renderer;
+            let outputs = outputs(images, count)?;
+            give(target, "target", || {
+                let target = renderer.create_target_beside([width, height], &outputs, other)?;
+                Ok(OntileTarget { target })
+            })
+        }
+    })
+}
+
+/// # Safety
+/// There are `count` images.
+unsafe fn outputs(images: *const OntileOutputImage, count: usize) -> Outcome<Vec<OutputImage>> {
+    // SAFETY: the caller's promise.
+    let images = unsafe { list(images, count, "images") }?;
+    Ok(images.iter().map(|i| OutputImage { image: i.image, view: i.view }).collect())
 }
 
 /// Has pictures drawn turned from now on, clockwise by 0, 90, 180 or 270 degrees, as a screen that is turned shows the images: the
@@ -302,6 +337,40 @@ pub unsafe extern "C" fn ontile_renderer_record(
     camera: *const OntileCamera,
     exposure_ev: f32,
 ) -> OntileResult {
+    // SAFETY: the caller's promise.
+    unsafe { record((renderer, commands), slot, (target, image), (camera, exposure_ev), None) }
+}
+
+/// As ontile_renderer_record, of a part of the picture, upright: left, top, right and bottom, pixels, four numbers. Tiles beyond it are
+/// neither drawn nor stored. What is elsewhere in the image is lost, unless the renderer has the option "output-is-kept"; then the image
+/// is in the layout that ontile_renderer_output says before too. So two renderers share an image.
+///
+/// # Safety
+/// As for ontile_renderer_record; `part_px` has four numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ontile_renderer_record_part(
+    renderer: *mut OntileRenderer,
+    commands: VkCommandBuffer,
+    slot: u32,
+    target: *const OntileTarget,
+    image: u32,
+    camera: *const OntileCamera,
+    exposure_ev: f32,
+    part_px: *const u32,
+) -> OntileResult {
+    // SAFETY: the caller's promise.
+    unsafe { record((renderer, commands), slot, (target, image), (camera, exposure_ev), Some(part_px)) }
+}
+
+/// # Safety
+/// As for ontile_renderer_record_part.
+unsafe fn record(
+    (renderer, commands): (*mut OntileRenderer, VkCommandBuffer),
+    slot: u32,
+    (target, image): (*const OntileTarget, u32),
+    (camera, exposure_ev): (*const OntileCamera, f32),
+    part_px: Option<*const u32>,
+) -> OntileResult {
     call(|| {
         // SAFETY: the caller's promise.
         let (renderer, target, camera) = unsafe {
@@ -311,10 +380,11 @@ pub unsafe extern "C" fn ontile_renderer_record(
                 get(camera, "camera")?.read()?,
             )
         };
-        let (slots, images) = (renderer.frames_in_flight(), target.output_count());
-        if slot as usize >= slots || image as usize >= images {
+        check_slot(renderer, slot)?;
+        let images = target.output_count();
+        if image as usize >= images {
             return Err(Failure::Argument(format!(
-                "slot {slot} and image {image} are not below {slots} and {images}, how many there are"
+                "image {image} is not below {images}, how many there are"
             )));
         }
         if !renderer.created(target) {
@@ -322,16 +392,33 @@ pub unsafe extern "C" fn ontile_renderer_record(
                 "the target is another renderer's, or older than an update that asked for new ones".into(),
             ));
         }
+        let vk::Extent2D { width, height } = target.extent();
+        let size = target.pre_rotation().size([width, height]);
+        let part_px = match part_px {
+            // SAFETY: the caller's promise.
+            Some(part) => *unsafe { get(part.cast::<[u32; 4]>(), "part_px") }?,
+            None => [0, 0, size[0], size[1]],
+        };
+        let [left, top, right, bottom] = part_px;
+        if left >= right.min(size[0]) || top >= bottom.min(size[1]) {
+            return Err(Failure::Argument(format!(
+                "nothing of the part {part_px:?} lies in the picture of {} x {} pixels",
+                size[0], size[1]
+            )));
+        }
         let device = renderer.device().clone();
         // SAFETY: the caller's promise.
         let recorder = unsafe { Recorder::from_host(&device, commands) };
-        renderer.record(
-            &recorder,
-            slot as usize,
-            target,
-            image as usize,
-            &View { camera: &camera, exposure_ev },
-        );
+        let view = View { camera: &camera, exposure_ev };
+        renderer.record_part(&recorder, slot as usize, target, image as usize, &view, part_px);
         Ok(())
     })
+}
+
+pub(super) fn check_slot(renderer: &Renderer, slot: u32) -> Outcome {
+    let slots = renderer.frames_in_flight();
+    match (slot as usize) < slots {
+        true => Ok(()),
+        false => Err(Failure::Argument(format!("slot {slot} is not below {slots}, how many there are"))),
+    }
 }

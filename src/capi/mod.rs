@@ -4,19 +4,23 @@
 //! code, with the message in [`ontile_last_error`]. No panic crosses the border. The header is made of these files (a test compares
 //! them), so their comments are what C programmers read. [`crate::embedding`] takes them through it.
 
+mod ahead;
 mod call;
 mod elements;
 mod frame;
 mod host;
 mod motion;
 mod options;
+mod over;
 mod read;
 mod world;
 
+pub use ahead::*;
 pub use call::*;
 pub use elements::*;
 pub use frame::*;
 pub use host::*;
 pub use motion::*;
 pub use options::*;
+pub use over::*;
 pub use world::*;

@@ -177,6 +177,16 @@ typedef struct OntileTarget OntileTarget;
 /// What is to be drawn, and what was done to it since renderers looked.
 typedef struct OntileWorld OntileWorld;
 
+/// Bytes of device memory, as sums of contents: a device adds what it aligns and rounds to.
+typedef struct OntileBudget {
+  /// Of a renderer, whatever it draws to.
+  uint64_t renderer_bytes;
+  /// Of a target of the size asked for, without the host's images.
+  uint64_t target_bytes;
+  /// The same on a device with lazily allocated memory that stays on the tile.
+  uint64_t lazy_target_bytes;
+} OntileBudget;
+
 /// What a host's image must be like, and what it is after a frame.
 typedef struct OntileOutput {
   /// Its format.
@@ -239,6 +249,26 @@ typedef struct OntileHost {
   /// Sum of ONTILE_FEATURE_*: what is enabled on the device.
   uint32_t features;
 } OntileHost;
+
+/// A corner of a triangle that is drawn over the picture.
+typedef struct OntileOverlayVertex {
+  /// From the left upper corner of the picture, points.
+  float position[2];
+  /// Where in the overlay's image: 0 to 1.
+  float texcoord[2];
+  /// RGBA that the image's is multiplied by: encoded as sRGB and multiplied by alpha after that.
+  uint8_t color[4];
+} OntileOverlayVertex;
+
+/// Triangles that one draw draws.
+typedef struct OntileOverlayPart {
+  /// What of the picture they may cover: left, top, right and bottom, pixels.
+  uint32_t clip_px[4];
+  /// Their first index.
+  uint32_t first_index;
+  /// Three a triangle.
+  uint32_t index_count;
+} OntileOverlayPart;
 
 /// The name of an element of a world; 0 is none.
 typedef uint64_t OntileId;
@@ -451,6 +481,36 @@ typedef struct OntileParticles {
 extern "C" {
 #endif // __cplusplus
 
+/// The plan that a renderer of this world would have, as ontile_renderer_plan tells it. `options` may be null.
+enum OntileResult ontile_plan_text(const struct OntileDevice *device,
+                                   const struct OntileWorld *world,
+                                   const struct OntileOptions *options,
+                                   size_t *size,
+                                   char *text);
+
+/// The pipelines of that plan, a line each: the subpass, a space, what is drawn. Sizes and `text` as for ontile_plan_text.
+enum OntileResult ontile_plan_pipelines(const struct OntileDevice *device,
+                                        const struct OntileWorld *world,
+                                        const struct OntileOptions *options,
+                                        size_t *size,
+                                        char *text);
+
+/// Compiles all pipelines of that plan into a cache, those of shadow maps included, so that making the renderer with it does not. It may take
+/// long, and run on any thread, as long as nobody changes the world.
+enum OntileResult ontile_pipeline_cache_prepare(const struct OntilePipelineCache *cache,
+                                                const struct OntileDevice *device,
+                                                const struct OntileWorld *world,
+                                                const struct OntileOptions *options);
+
+/// What device memory a renderer of this world, for so many frames in flight, and a target of this size will take. `options` may be null.
+enum OntileResult ontile_plan_budget(const struct OntileDevice *device,
+                                     const struct OntileWorld *world,
+                                     const struct OntileOptions *options,
+                                     uint32_t frames_in_flight,
+                                     uint32_t width,
+                                     uint32_t height,
+                                     struct OntileBudget *budget);
+
 /// The ABI version of the library: a program compares it with ONTILE_ABI_VERSION of the header that it was compiled with.
 uint32_t ontile_abi_version(void);
 
@@ -511,6 +571,17 @@ enum OntileResult ontile_target_create(const struct OntileRenderer *renderer,
                                        size_t count,
                                        struct OntileTarget **target);
 
+/// The same for a renderer with the option "difference" (a number that multiplies it), with a view of the other picture: of this size, one
+/// sample, any format of colours. When a frame is recorded that picture was drawn by commands before on the same queue, and its image is
+/// in VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, as the option "output-use" with "sample" leaves it.
+enum OntileResult ontile_target_create_beside(const struct OntileRenderer *renderer,
+                                              uint32_t width,
+                                              uint32_t height,
+                                              const struct OntileOutputImage *images,
+                                              size_t count,
+                                              VkImageView other,
+                                              struct OntileTarget **target);
+
 /// Has pictures drawn turned from now on, clockwise by 0, 90, 180 or 270 degrees, as a screen that is turned shows the images: the
 /// preTransform of their swapchain. Cameras stay those of the upright picture. It costs nothing, where a system that turns images reads
 /// and writes each again.
@@ -530,6 +601,18 @@ enum OntileResult ontile_renderer_record(struct OntileRenderer *renderer,
                                          uint32_t image,
                                          const struct OntileCamera *camera,
                                          float exposure_ev);
+
+/// As ontile_renderer_record, of a part of the picture, upright: left, top, right and bottom, pixels, four numbers. Tiles beyond it are
+/// neither drawn nor stored. What is elsewhere in the image is lost, unless the renderer has the option "output-is-kept"; then the image
+/// is in the layout that ontile_renderer_output says before too. So two renderers share an image.
+enum OntileResult ontile_renderer_record_part(struct OntileRenderer *renderer,
+                                              VkCommandBuffer commands,
+                                              uint32_t slot,
+                                              const struct OntileTarget *target,
+                                              uint32_t image,
+                                              const struct OntileCamera *camera,
+                                              float exposure_ev,
+                                              const uint32_t *part_px);
 
 /// Takes note of a host's device.
 enum OntileResult ontile_device_create(const struct OntileHost *host,
@@ -587,6 +670,26 @@ enum OntileResult ontile_options_set(struct OntileOptions *options,
 
 /// Destroys options; null is none.
 void ontile_options_destroy(struct OntileOptions *options);
+
+/// Sets the image that an overlay's triangles take their colours from: RGBA, encoded as sRGB and multiplied by alpha after that, 4 bytes a
+/// texel, row by row from the top. At first it is one white texel. It waits until that is copied, and no frame of the renderer is on the GPU.
+enum OntileResult ontile_renderer_set_overlay_image(struct OntileRenderer *renderer,
+                                                    uint32_t width,
+                                                    uint32_t height,
+                                                    const uint8_t *texels,
+                                                    size_t size);
+
+/// Sets what is drawn over the frames that are recorded with this slot, in order, in the frame's own pass; the option "overlay" is "true".
+/// The GPU has finished the frame that was recorded with the slot before. Vertices are in points, of `pixels_per_point` pixels.
+enum OntileResult ontile_renderer_set_overlay(struct OntileRenderer *renderer,
+                                              uint32_t slot,
+                                              const struct OntileOverlayVertex *vertices,
+                                              size_t vertex_count,
+                                              const uint32_t *indices,
+                                              size_t index_count,
+                                              const struct OntileOverlayPart *parts,
+                                              size_t part_count,
+                                              float pixels_per_point);
 
 /// Makes an empty world.
 enum OntileResult ontile_world_create(const char *name, struct OntileWorld **world);

@@ -107,7 +107,8 @@ impl Overlay {
         self.sets.write(0, BINDING, ty, &Content::Images(vec![image]));
     }
 
-    pub(super) fn set_image(&mut self, device: &Device, size: [u32; 2], texels: &[u8]) -> Result<()> {
+    /// The image that was before.
+    pub(super) fn set_image(&mut self, device: &Device, size: [u32; 2], texels: &[u8]) -> Result<Image> {
         let image = image(device, size)?;
         let mut upload = Upload::new(device);
         upload.image(&image, &[texels])?;
@@ -115,9 +116,9 @@ impl Overlay {
             upload.record(recorder);
             Ok(())
         })?;
-        self.image = image;
+        let before = std::mem::replace(&mut self.image, image);
         self.write_set();
-        Ok(())
+        Ok(before)
     }
 
     pub(super) fn set(&mut self, device: &Device, slot: usize, frame: &OverlayFrame<'_>) -> Result<()> {

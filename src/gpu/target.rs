@@ -152,7 +152,7 @@ impl Target {
         self.post.as_ref()
     }
 
-    pub(super) fn extent(&self) -> vk::Extent2D {
+    pub(crate) fn extent(&self) -> vk::Extent2D {
         self.extent
     }
 

@@ -21,6 +21,8 @@ pub struct Upload {
     image_copies: Vec<ImageCopy>,
     /// Images that become readable, each once.
     images: Vec<(vk::Image, vk::ImageSubresourceRange)>,
+    /// Copied to, though nothing else needs them any more.
+    kept: Vec<Image>,
     /// What the buffers are used for.
     buffer_usage: vk::BufferUsageFlags,
 }
@@ -55,6 +57,7 @@ impl Upload {
             buffer_copies: Vec::new(),
             image_copies: Vec::new(),
             images: Vec::new(),
+            kept: Vec::new(),
             buffer_usage: vk::BufferUsageFlags::empty(),
         }
     }
@@ -158,6 +161,11 @@ impl Upload {
     /// The size of the staging memory in use.
     pub fn staged_bytes(&self) -> u64 {
         self.chunks.iter().map(Buffer::size_bytes).sum()
+    }
+
+    /// Keeps an image that is copied to until the copies have finished, which is when this is dropped.
+    pub(super) fn keep(&mut self, image: Image) {
+        self.kept.push(image);
     }
 
     /// Records the copies gathered so far, with the barriers around them: earlier reads of the buffers and

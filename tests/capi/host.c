@@ -203,7 +203,7 @@ static void make_resources(OntileOutput output) {
                                     .mipLevels = 1,
                                     .arrayLayers = 1,
                                     .samples = VK_SAMPLE_COUNT_1_BIT,
-                                    .usage = output.usage | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT};
+                                    .usage = output.usage | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
     VK(vkCreateImage(device, &image_info, NULL, &image));
     VkMemoryRequirements needs;
     vkGetImageMemoryRequirements(device, image, &needs);
@@ -249,7 +249,52 @@ static void play(OntileWorld *world, OntileTarget *target) {
     check(ontile_world_animate(world, 99, 0) == ONTILE_RESULT_ERROR_UNSUPPORTED, "no such animation");
 }
 
-/* Draws a world as it is, and again after a change; `number` says where the pixels go. */
+/* What is known before there is a renderer, and pipelines ahead of it. */
+static void ask_ahead(OntileDevice *ontile, OntileWorld *world, OntileOptions *options, OntilePipelineCache *cache,
+                      int has_overlay) {
+    ON(ontile_pipeline_cache_prepare(cache, ontile, world, options));
+    OntileBudget budget;
+    ON(ontile_plan_budget(ontile, world, options, FRAMES, WIDTH, HEIGHT, &budget));
+    check(budget.renderer_bytes > 0 && budget.target_bytes > budget.lazy_target_bytes, "a budget");
+    size_t bytes = 0;
+    ON(ontile_plan_pipelines(ontile, world, options, &bytes, NULL));
+    char *lines = calloc(1, bytes + 1);
+    ON(ontile_plan_pipelines(ontile, world, options, &bytes, lines));
+    check(strstr(lines, "tone") && !strstr(lines, "overlay") == !has_overlay, lines);
+    free(lines);
+    check(ontile_plan_text(ontile, NULL, options, &bytes, NULL) == ONTILE_RESULT_ERROR_ARGUMENT, "no world");
+}
+
+/* Whether the renderer's plan is the one that was told before. */
+static void check_plan(OntileDevice *ontile, OntileWorld *world, OntileOptions *options, OntileRenderer *renderer) {
+    size_t ahead = 0, own = 0;
+    ON(ontile_plan_text(ontile, world, options, &ahead, NULL));
+    ON(ontile_renderer_plan(renderer, &own, NULL));
+    char *texts[2] = {malloc(ahead), malloc(own)};
+    ON(ontile_plan_text(ontile, world, options, &ahead, texts[0]));
+    ON(ontile_renderer_plan(renderer, &own, texts[1]));
+    check(own > 0 && ahead == own && memcmp(texts[0], texts[1], own) == 0, "the plan is another");
+    free(texts[0]);
+    free(texts[1]);
+}
+
+/* A triangle at the picture's left upper corner, green through an image of two texels. */
+static void draw_over(OntileRenderer *renderer, uint32_t slot) {
+    OntileOverlayVertex corners[3] = {{{0, 0}, {0.25f, 0.5f}, {0, 128, 0, 128}},
+                                      {{30, 0}, {0.25f, 0.5f}, {0, 128, 0, 128}},
+                                      {{0, 20}, {0.25f, 0.5f}, {0, 128, 0, 128}}};
+    uint32_t indices[3] = {0, 1, 2};
+    OntileOverlayPart part = {.clip_px = {0, 0, WIDTH, HEIGHT}, .first_index = 0, .index_count = 3};
+    ON(ontile_renderer_set_overlay(renderer, slot, corners, 3, indices, 3, &part, 1, 2));
+    part.index_count = 4;
+    check(ontile_renderer_set_overlay(renderer, slot, corners, 3, indices, 3, &part, 1, 2) ==
+              ONTILE_RESULT_ERROR_UNSUPPORTED, "an index beyond the last");
+    check(ontile_renderer_set_overlay(renderer, FRAMES, corners, 3, indices, 3, NULL, 0, 2) ==
+              ONTILE_RESULT_ERROR_ARGUMENT, "a slot beyond the last");
+}
+
+/* Draws a world as it is, and again after a change; `number` says where the pixels go. The first world has a triangle over it; of the second
+ * each half of the picture is drawn by a renderer of its own. */
 static void draw(OntileDevice *ontile, OntileWorld *world, const OntileCamera *camera, uint32_t number,
                  void (*change)(OntileWorld *, OntileTarget *)) {
     OntileOptions *options;
@@ -259,37 +304,67 @@ static void draw(OntileDevice *ontile, OntileWorld *world, const OntileCamera *c
     ON(ontile_options_set(options, "size", "160x96"));
     OntilePipelineCache *cache;
     ON(ontile_pipeline_cache_create(ontile, NULL, 0, &cache));
-    OntileRenderer *renderer;
-    ON(ontile_renderer_create(ontile, world, options, FRAMES, cache, &renderer));
-    ON(ontile_world_clear_changes(world));
-    size_t blob_bytes = 0, plan_bytes = 0;
-    ON(ontile_pipeline_cache_blob(cache, &blob_bytes, NULL));
-    ON(ontile_renderer_plan(renderer, &plan_bytes, NULL));
-    check(blob_bytes > 0 && plan_bytes > 0, "a cache and a plan");
+    ON(ontile_options_set(options, "overlay", number == 0 ? "true" : "false"));
+    ask_ahead(ontile, world, options, cache, number == 0);
+    const uint32_t halves = number + 1;
+    OntileRenderer *renderers[2];
+    OntileTarget *targets[2];
     OntileOutput output;
-    ON(ontile_renderer_output(renderer, &output));
-    if (!image) make_resources(output);
-    OntileOutputImage output_image = {image, view};
-    OntileTarget *target;
-    ON(ontile_target_create(renderer, WIDTH, HEIGHT, &output_image, 1, &target));
+    for (uint32_t half = 0; half < halves; half++) {
+        ON(ontile_options_set(options, "output-is-kept", half == 0 ? "false" : "true"));
+        ON(ontile_renderer_create(ontile, world, options, FRAMES, cache, &renderers[half]));
+        check_plan(ontile, world, options, renderers[half]);
+        ON(ontile_renderer_output(renderers[half], &output));
+        if (!image) make_resources(output);
+        OntileOutputImage output_image = {image, view};
+        ON(ontile_target_create(renderers[half], WIDTH, HEIGHT, &output_image, 1, &targets[half]));
+    }
+    /* What would show the difference from another picture wants that picture. */
+    ON(ontile_options_set(options, "difference", "8"));
+    OntileRenderer *beside;
+    OntileTarget *difference;
+    OntileOutputImage own = {image, view};
+    ON(ontile_renderer_create(ontile, world, options, 1, cache, &beside));
+    check(ontile_target_create(beside, WIDTH, HEIGHT, &own, 1, &difference) == ONTILE_RESULT_ERROR_UNSUPPORTED, "no other");
+    ON(ontile_target_create_beside(beside, WIDTH, HEIGHT, &own, 1, view, &difference));
+    ontile_target_destroy(difference);
+    ontile_renderer_destroy(beside);
+    ON(ontile_world_clear_changes(world));
+    size_t blob_bytes = 0;
+    ON(ontile_pipeline_cache_blob(cache, &blob_bytes, NULL));
+    check(blob_bytes > 0, "a cache");
+    uint8_t texels[8] = {255, 255, 255, 255, 255, 0, 0, 255};
+    check((ontile_renderer_set_overlay_image(renderers[0], 2, 1, texels, 8) == ONTILE_RESULT_OK) == (number == 0),
+          "an overlay's image");
 
     for (uint32_t frame = 0; frame < FRAMES; frame++) {
         VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                           .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
         VK(vkBeginCommandBuffer(commands[frame], &begin));
-        if (frame == 0) {
-            ON(ontile_renderer_record_upload(renderer, commands[frame]));
-        } else {
-            change(world, target);
-            OntileUpdated updated;
-            ON(ontile_renderer_update(renderer, world, commands[frame], &updated));
-            check(!updated.new_targets && !updated.new_objects, "moving makes nothing");
-            ON(ontile_world_clear_changes(world));
+        if (frame > 0) change(world, targets[0]);
+        for (uint32_t half = 0; half < halves; half++) {
+            OntileRenderer *renderer = renderers[half];
+            if (frame == 0) {
+                ON(ontile_renderer_record_upload(renderer, commands[frame]));
+            } else {
+                OntileUpdated updated;
+                ON(ontile_renderer_update(renderer, world, commands[frame], &updated));
+                check(!updated.new_targets && !updated.new_objects, "moving makes nothing");
+            }
+            ON(ontile_renderer_set_queries(renderer, frame == 0));
+            if (number == 0) draw_over(renderer, frame);
+            check(ontile_renderer_record(renderer, commands[frame], FRAMES, targets[half], 0, camera, 0) ==
+                      ONTILE_RESULT_ERROR_ARGUMENT, "a slot beyond the last");
+            uint32_t nothing[4] = {WIDTH, 0, WIDTH + 1, HEIGHT};
+            check(ontile_renderer_record_part(renderer, commands[frame], frame, targets[half], 0, camera, 0, nothing) ==
+                      ONTILE_RESULT_ERROR_ARGUMENT, "a part beside the picture");
+            uint32_t part[4] = {half * WIDTH / 2, 0, (half + 1) * WIDTH / halves, HEIGHT};
+            if (halves == 1)
+                ON(ontile_renderer_record(renderer, commands[frame], frame, targets[half], 0, camera, 0));
+            else
+                ON(ontile_renderer_record_part(renderer, commands[frame], frame, targets[half], 0, camera, 0, part));
         }
-        ON(ontile_renderer_set_queries(renderer, frame == 0));
-        check(ontile_renderer_record(renderer, commands[frame], FRAMES, target, 0, camera, 0) ==
-                  ONTILE_RESULT_ERROR_ARGUMENT, "a slot beyond the last");
-        ON(ontile_renderer_record(renderer, commands[frame], frame, target, 0, camera, 0));
+        ON(ontile_world_clear_changes(world));
         VkBufferImageCopy region = {.bufferOffset = (number * FRAMES + frame) * BYTES,
                                     .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                     .imageExtent = {WIDTH, HEIGHT, 1}};
@@ -306,10 +381,11 @@ static void draw(OntileDevice *ontile, OntileWorld *world, const OntileCamera *c
         VK(vkQueueSubmit(queue, 1, &submit, VK_NULL_HANDLE));
     }
     VK(vkQueueWaitIdle(queue));
-    ON(ontile_renderer_finish_upload(renderer));
-
-    ontile_target_destroy(target);
-    ontile_renderer_destroy(renderer);
+    for (uint32_t half = 0; half < halves; half++) {
+        ON(ontile_renderer_finish_upload(renderers[half]));
+        ontile_target_destroy(targets[half]);
+        ontile_renderer_destroy(renderers[half]);
+    }
     ontile_pipeline_cache_destroy(cache);
     ontile_options_destroy(options);
 }

@@ -8,7 +8,10 @@ use std::path::Path;
 use std::process::Command;
 
 use ontile::glam::{Mat4, Vec2, Vec3, vec3};
-use ontile::gpu::{Headless, HeadlessOptions, Offscreen, PipelineCache, RendererConfig, View};
+use ontile::gpu::{
+    Headless, HeadlessOptions, Offscreen, OverlayFrame, OverlayPart, OverlayVertex, PipelineCache,
+    RendererConfig, View,
+};
 use ontile::picture::Pixels;
 use ontile::plan::{Layout, Needs, Options, Plan};
 use ontile::scene::{
@@ -174,27 +177,38 @@ fn expected() -> Vec<u8> {
         projection: Projection::Perspective { yfov_rad: 1.0, znear_m: 0.1, zfar_m: None },
     };
     let mut pictures = Vec::new();
-    let mut draw = |world: &World, camera: &Camera, pre_rotation: PreRotation| {
-        let options = Options { size: [160, 96], layout: Layout::Ontile128, ..Options::default() };
+    let mut draw = |world: &World, camera: &Camera, overlay: bool, pre_rotation: PreRotation| {
+        let options = Options { size: [160, 96], layout: Layout::Ontile128, overlay, ..Options::default() };
         let plan = Plan::new(Needs::of(world.scene()), options, &device.limits()).unwrap();
         let cache = PipelineCache::new(device, &[]).unwrap();
         let mut frame =
             Offscreen::new(device, world.scene(), plan, RendererConfig::default(), &cache).unwrap();
         frame.pre_rotate(pre_rotation);
+        if overlay {
+            let corner =
+                |position| OverlayVertex { position, texcoord: [0.25, 0.5], color: [0, 128, 0, 128] };
+            let part = OverlayPart { clip_px: [0, 0, 160, 96], indices: 0..3 };
+            let vertices = [[0.0, 0.0], [30.0, 0.0], [0.0, 20.0]].map(corner);
+            let (indices, parts) = (&[0, 1, 2], &[part]);
+            let over = OverlayFrame { vertices: &vertices, indices, parts, pixels_per_point: 2.0 };
+            let renderer = frame.renderer_mut();
+            renderer.set_overlay_image([2, 1], &[255, 255, 255, 255, 255, 0, 0, 255]).unwrap();
+            renderer.set_overlay(0, &over).unwrap();
+        }
         frame.render(&View { camera, exposure_ev: 0.0 }).unwrap();
         match frame.picture().pixels {
             Pixels::Rgba8(bytes) => pictures.extend(bytes),
             Pixels::Rgba32F(_) => panic!("the output has 8 bits a channel"),
         }
     };
-    draw(&world, &camera, PreRotation::Identity);
+    draw(&world, &camera, true, PreRotation::Identity);
     let instance = world.ids::<Instance>().next().unwrap();
     world.place(instance, Mat4::from_translation(vec3(0.3, 0.1, -0.5))).unwrap();
-    draw(&world, &camera, PreRotation::Rotate180);
+    draw(&world, &camera, true, PreRotation::Rotate180);
     let mut world = World::from(Scene::load_moving(&root().join(MOVING)).unwrap());
     for time_s in [0.0, TIME_S] {
         world.animate(&[Play { animation: 0, time_s }]).unwrap();
-        draw(&world, &world.scene().cameras[0], PreRotation::Identity);
+        draw(&world, &world.scene().cameras[0], false, PreRotation::Identity);
     }
     pictures
 }

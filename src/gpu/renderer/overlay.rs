@@ -14,8 +14,12 @@ impl Renderer {
     /// [`Error::Unsupported`] if the plan has no overlay ([`Options::overlay`](crate::plan::Options::overlay)), or there are not 4 bytes
     /// a texel; [`Error::Vulkan`].
     pub fn set_overlay_image(&mut self, size: [u32; 2], texels: &[u8]) -> Result<()> {
-        let Self { overlay, device, .. } = self;
-        overlay.as_mut().ok_or_else(no_overlay)?.set_image(device, size, texels)
+        let Self { overlay, device, upload, .. } = self;
+        let before = overlay.as_mut().ok_or_else(no_overlay)?.set_image(device, size, texels)?;
+        if let Some(upload) = upload {
+            upload.keep(before);
+        }
+        Ok(())
     }
 
     /// Sets what is drawn over the frames that are recorded with this slot; the GPU has finished the one recorded with it before. Without
