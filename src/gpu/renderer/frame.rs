@@ -11,7 +11,7 @@ use crate::plan::FrameCounts;
 impl Renderer {
     /// Records a frame: no allocation, no wait, no submission.
     ///
-    /// `slot` is below [`RendererConfig::frames_in_flight`], and the GPU has finished the frame that was recorded with it
+    /// `slot` is below [`RendererConfig::frames_in_flight`](crate::gpu::RendererConfig::frames_in_flight), and the GPU has finished the frame that was recorded with it
     /// before. `target` comes from this renderer's [`Self::create_target`], and `output` is an index into its images.
     /// The render pass orders earlier accesses to the output image on the same queue if they are colour writes or of
     /// the plan's [`OutputUse`](crate::plan::OutputUse); a swapchain's semaphore is waited for at the stage

@@ -95,7 +95,7 @@ pub struct Report {
 impl Report {
     const FILE: &str = "ways.json";
 
-    /// What [`write`] has left in a folder.
+    /// What [`write()`] has left in a folder.
     ///
     /// # Errors
     /// [`Error::Io`] if there is none; [`Error::Input`] if it cannot be understood.
