@@ -12,7 +12,9 @@ mod host;
 mod motion;
 mod options;
 mod over;
+mod probes;
 mod read;
+mod told;
 mod world;
 
 pub use ahead::*;
@@ -23,4 +25,6 @@ pub use host::*;
 pub use motion::*;
 pub use options::*;
 pub use over::*;
+pub use probes::*;
+pub use told::*;
 pub use world::*;

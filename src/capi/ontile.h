@@ -270,6 +270,22 @@ typedef struct OntileOverlayPart {
   uint32_t index_count;
 } OntileOverlayPart;
 
+/// A box, and what glossy surfaces inside it reflect: the radiance that was captured at its centre.
+typedef struct OntileProbe {
+  /// For messages.
+  const char *name;
+  /// The box's centre, metres.
+  float position[3];
+  /// A quaternion (x, y, z, w) of unit length: turns the box's axes, which are also those of the picture, into the world's.
+  float rotation[4];
+  /// Half the box's size along its axes, metres, above 0.
+  float half_size[3];
+  /// How far inside each face the probe's weight reaches 1, metres, at least 0.
+  float falloff;
+  /// A picture of all directions (.hdr; twice as wide as high).
+  const char *path;
+} OntileProbe;
+
 /// The name of an element of a world; 0 is none.
 typedef uint64_t OntileId;
 
@@ -690,6 +706,18 @@ enum OntileResult ontile_renderer_set_overlay(struct OntileRenderer *renderer,
                                               const struct OntileOverlayPart *parts,
                                               size_t part_count,
                                               float pixels_per_point);
+
+/// Puts others in the place of all probes of a world. Each pixel looks at all of them, so they should be few. The device has the feature
+/// imageCubeArray.
+enum OntileResult ontile_world_set_probes(struct OntileWorld *world,
+                                          const struct OntileProbe *probes,
+                                          size_t count);
+
+/// Nanoseconds of the GPU from the begin to the end of the frame that was recorded with this slot and has finished; 0 where the device tells no
+/// times, the frame had no queries (ontile_renderer_set_queries), or it has not finished.
+enum OntileResult ontile_renderer_frame_time(const struct OntileRenderer *renderer,
+                                             uint32_t slot,
+                                             double *nanoseconds);
 
 /// Makes an empty world.
 enum OntileResult ontile_world_create(const char *name, struct OntileWorld **world);

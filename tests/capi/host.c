@@ -1,9 +1,9 @@
 /* A host in C: makes its own device, embeds ontile, and writes the pixels of four frames, RGBA with 8 bits a channel.
  *
- *     host DEVICE OUTPUT KTX2 SCENE
+ *     host DEVICE OUTPUT KTX2 SCENE HDR
  *
- * DEVICE is a part of the device's name. Two frames show a square that has the picture KTX2 on it, two show how the first animation
- * moves SCENE. It ends with 77 where there is no such device, with 1 and a message where something is wrong. */
+ * DEVICE is a part of the device's name. Two frames show a square that has the picture KTX2 on it and reflects HDR, two show how
+ * the first animation moves SCENE. It ends with 77 where there is no such device, with 1 and a message where something is wrong. */
 #include "ontile.h"
 
 #include <stdio.h>
@@ -31,6 +31,8 @@ static void check(int holds, const char *what) {
 }
 #define VK(call) check((call) == VK_SUCCESS, #call)
 #define ON(call) check((call) == ONTILE_RESULT_OK, #call)
+
+#include "ahead.h"
 
 static VkInstance instance;
 static VkPhysicalDevice physical;
@@ -92,6 +94,8 @@ static void make_device(const char *name) {
     vkGetPhysicalDeviceFeatures(physical, &has);
     enabled.textureCompressionBC = has.textureCompressionBC;
     if (has.textureCompressionBC) features |= ONTILE_FEATURE_TEXTURE_COMPRESSION_BC;
+    enabled.imageCubeArray = has.imageCubeArray;
+    if (has.imageCubeArray) features |= ONTILE_FEATURE_IMAGE_CUBE_ARRAY;
     enabled.depthClamp = enabled.shaderClipDistance = has.depthClamp && has.shaderClipDistance;
     if (enabled.depthClamp) features |= ONTILE_FEATURE_DEPTH_CLAMP;
     VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
@@ -131,7 +135,7 @@ static OntileId read_image(OntileWorld *world, const char *path) {
 static OntileId square = 0;
 
 /* A square of four by four quads with a picture, and a light on it. */
-static OntileWorld *make_world(const char *picture) {
+static OntileWorld *make_world(const char *picture, const char *around) {
     float positions[25 * 3], normals[25 * 3], texcoords[25 * 2];
     uint32_t indices[16 * 6], n = 0;
     for (int i = 0; i < 25; i++) {
@@ -175,6 +179,10 @@ static OntileWorld *make_world(const char *picture) {
     light.intensity = 6;
     ON(ontile_world_set_light(world, &light_id, &light));
 
+    OntileProbe probe = {
+        .position = {0, 0, 0.5f}, .rotation = {0, 0, 0, 1}, .half_size = {2, 1, 1}, .falloff = 0.25f, .path = around};
+    ON(ontile_world_set_probes(world, &probe, 1));
+
     /* What does not go is refused with a reason, and changes nothing. */
     check(ontile_world_remove(world, ONTILE_KIND_MESH, mesh_id) == ONTILE_RESULT_ERROR_UNSUPPORTED, "a used mesh goes");
     check(strstr(ontile_last_error(), "instances[0] uses it") != NULL, "the reason");
@@ -182,6 +190,8 @@ static OntileWorld *make_world(const char *picture) {
     check(strcmp(ontile_last_error(), "mesh is null") == 0, "the argument");
     OntileId unknown = 12345;
     check(ontile_world_set_light(world, &unknown, &light) == ONTILE_RESULT_ERROR_UNSUPPORTED, "an unknown light");
+    probe.path = "/no/such.hdr";
+    check(ontile_world_set_probes(world, &probe, 1) == ONTILE_RESULT_ERROR_IO, "a probe without a picture");
     OntileWorld *missing = NULL;
     check(ontile_world_load("/no/such.glb", &missing) == ONTILE_RESULT_ERROR_IO && !missing, "a missing file");
     return world;
@@ -247,50 +257,6 @@ static void play(OntileWorld *world, OntileTarget *target) {
     (void)target;
     ON(ontile_world_animate(world, 0, 1.25));
     check(ontile_world_animate(world, 99, 0) == ONTILE_RESULT_ERROR_UNSUPPORTED, "no such animation");
-}
-
-/* What is known before there is a renderer, and pipelines ahead of it. */
-static void ask_ahead(OntileDevice *ontile, OntileWorld *world, OntileOptions *options, OntilePipelineCache *cache,
-                      int has_overlay) {
-    ON(ontile_pipeline_cache_prepare(cache, ontile, world, options));
-    OntileBudget budget;
-    ON(ontile_plan_budget(ontile, world, options, FRAMES, WIDTH, HEIGHT, &budget));
-    check(budget.renderer_bytes > 0 && budget.target_bytes > budget.lazy_target_bytes, "a budget");
-    size_t bytes = 0;
-    ON(ontile_plan_pipelines(ontile, world, options, &bytes, NULL));
-    char *lines = calloc(1, bytes + 1);
-    ON(ontile_plan_pipelines(ontile, world, options, &bytes, lines));
-    check(strstr(lines, "tone") && !strstr(lines, "overlay") == !has_overlay, lines);
-    free(lines);
-    check(ontile_plan_text(ontile, NULL, options, &bytes, NULL) == ONTILE_RESULT_ERROR_ARGUMENT, "no world");
-}
-
-/* Whether the renderer's plan is the one that was told before. */
-static void check_plan(OntileDevice *ontile, OntileWorld *world, OntileOptions *options, OntileRenderer *renderer) {
-    size_t ahead = 0, own = 0;
-    ON(ontile_plan_text(ontile, world, options, &ahead, NULL));
-    ON(ontile_renderer_plan(renderer, &own, NULL));
-    char *texts[2] = {malloc(ahead), malloc(own)};
-    ON(ontile_plan_text(ontile, world, options, &ahead, texts[0]));
-    ON(ontile_renderer_plan(renderer, &own, texts[1]));
-    check(own > 0 && ahead == own && memcmp(texts[0], texts[1], own) == 0, "the plan is another");
-    free(texts[0]);
-    free(texts[1]);
-}
-
-/* A triangle at the picture's left upper corner, green through an image of two texels. */
-static void draw_over(OntileRenderer *renderer, uint32_t slot) {
-    OntileOverlayVertex corners[3] = {{{0, 0}, {0.25f, 0.5f}, {0, 128, 0, 128}},
-                                      {{30, 0}, {0.25f, 0.5f}, {0, 128, 0, 128}},
-                                      {{0, 20}, {0.25f, 0.5f}, {0, 128, 0, 128}}};
-    uint32_t indices[3] = {0, 1, 2};
-    OntileOverlayPart part = {.clip_px = {0, 0, WIDTH, HEIGHT}, .first_index = 0, .index_count = 3};
-    ON(ontile_renderer_set_overlay(renderer, slot, corners, 3, indices, 3, &part, 1, 2));
-    part.index_count = 4;
-    check(ontile_renderer_set_overlay(renderer, slot, corners, 3, indices, 3, &part, 1, 2) ==
-              ONTILE_RESULT_ERROR_UNSUPPORTED, "an index beyond the last");
-    check(ontile_renderer_set_overlay(renderer, FRAMES, corners, 3, indices, 3, NULL, 0, 2) ==
-              ONTILE_RESULT_ERROR_ARGUMENT, "a slot beyond the last");
 }
 
 /* Draws a world as it is, and again after a change; `number` says where the pixels go. The first world has a triangle over it; of the second
@@ -381,6 +347,9 @@ static void draw(OntileDevice *ontile, OntileWorld *world, const OntileCamera *c
         VK(vkQueueSubmit(queue, 1, &submit, VK_NULL_HANDLE));
     }
     VK(vkQueueWaitIdle(queue));
+    double time = 0;
+    ON(ontile_renderer_frame_time(renderers[0], 0, &time));
+    check(time > 0, "a time");
     for (uint32_t half = 0; half < halves; half++) {
         ON(ontile_renderer_finish_upload(renderers[half]));
         ontile_target_destroy(targets[half]);
@@ -391,7 +360,7 @@ static void draw(OntileDevice *ontile, OntileWorld *world, const OntileCamera *c
 }
 
 int main(int count, char **arguments) {
-    if (count != 5) return 1;
+    if (count != 6) return 1;
     check(ontile_abi_version() == ONTILE_ABI_VERSION, "the library is of another version than the header");
     make_instance();
     make_device(arguments[1]);
@@ -405,7 +374,7 @@ int main(int count, char **arguments) {
                        .features = features};
     OntileDevice *ontile;
     ON(ontile_device_create(&host, &ontile));
-    OntileWorld *world = make_world(arguments[3]);
+    OntileWorld *world = make_world(arguments[3], arguments[5]);
     OntileCamera camera = {.world_from_view = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 2, 1},
                            .projection = ONTILE_PROJECTION_PERSPECTIVE,
                            .vertical = 1,

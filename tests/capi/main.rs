@@ -7,7 +7,7 @@ mod common;
 use std::path::Path;
 use std::process::Command;
 
-use ontile::glam::{Mat4, Vec2, Vec3, vec3};
+use ontile::glam::{Mat4, Quat, Vec2, Vec3, vec3};
 use ontile::gpu::{
     Headless, HeadlessOptions, Offscreen, OverlayFrame, OverlayPart, OverlayVertex, PipelineCache,
     RendererConfig, View,
@@ -15,8 +15,8 @@ use ontile::gpu::{
 use ontile::picture::Pixels;
 use ontile::plan::{Layout, Needs, Options, Plan};
 use ontile::scene::{
-    Camera, Image, Instance, Light, LightKind, Material, Mesh, Play, PreRotation, Projection, Sampler, Scene,
-    Texture, TextureRef, World,
+    Camera, Environment, Image, Instance, Light, LightKind, Material, Mesh, Play, PreRotation, Probe,
+    Projection, Sampler, Scene, Texture, TextureRef, World,
 };
 
 fn root() -> &'static Path {
@@ -125,6 +125,8 @@ fn the_header_is_that_of_the_sources() {
 
 /// The picture on the square.
 const KTX2: &str = "tests/textures/uastc.ktx2";
+/// What it reflects.
+const AROUND: &str = "assets/dusk.hdr";
 /// What moves by itself, and when.
 const MOVING: &str = "assets/charmer.glb";
 const TIME_S: f64 = 1.25;
@@ -162,6 +164,15 @@ fn square() -> World {
     world.add(Instance::new(mesh.index(), Mat4::IDENTITY)).unwrap();
     let lamp = Light::new(LightKind::Point { intensity_cd: 6.0 });
     world.add(Light { position_world: vec3(0.5, 0.5, 1.5), ..lamp }).unwrap();
+    let probe = Probe {
+        name: String::new(),
+        position_world: vec3(0.0, 0.0, 0.5),
+        world_from_probe: Quat::IDENTITY,
+        half_size_m: vec3(2.0, 1.0, 1.0),
+        falloff_m: 0.25,
+        environment: Environment::load(&root().join(AROUND)).unwrap(),
+    };
+    world.set_probes(vec![probe]).unwrap();
     world
 }
 
@@ -261,6 +272,7 @@ fn a_host_in_c_gets_the_same_pictures() {
             .arg(&pixels)
             .arg(root().join(KTX2))
             .arg(root().join(MOVING))
+            .arg(root().join(AROUND))
             .env("LD_LIBRARY_PATH", folder.join("lib"));
         let output = run.output().unwrap();
         if output.status.code() == Some(77) {
