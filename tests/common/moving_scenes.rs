@@ -85,8 +85,8 @@ pub fn bending_mapped() -> Scene {
     scene
 }
 
-/// A tube along +Y from 0 to 1.6 whose vertices go by two of three joints, with eight places for them: two sets, one of which does
-/// not add up to 1.
+/// A tube along +Y from 0 to 1.6 whose vertices go by two of three joints, with eight places for them: two sets, which
+/// together add up to 1 or to 2.
 fn arm() -> Mesh {
     const RINGS: u32 = 24;
     const SECTORS: u32 = 20;
@@ -105,8 +105,11 @@ fn arm() -> Mesh {
             let share = place - f32::from(first);
             // Smooth, so that normals turn as surfaces do.
             let share = share * share * (3.0 - 2.0 * share);
-            influences.push(Influence { joints: [first, 0, 0, 0], weights: [1.0 - share, 0.0, 0.0, 0.0] });
-            let rest = [0.0, 0.25 * share, 0.0, 0.75 * share];
+            // What counts is each weight's share.
+            let all = if ring % 2 == 0 { 1.0 } else { 2.0 };
+            let weights = [all * (1.0 - share), 0.0, 0.0, 0.0];
+            influences.push(Influence { joints: [first, 0, 0, 0], weights });
+            let rest = [0.0, 0.25 * share, 0.0, 0.75 * share].map(|weight| all * weight);
             influences.push(Influence { joints: [0, first + 1, 2, first + 1], weights: rest });
             if ring < RINGS && sector < SECTORS {
                 let a = ring * (SECTORS + 1) + sector;
